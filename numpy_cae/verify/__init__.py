@@ -10,9 +10,9 @@ from numpy_cae.verify.checks.adjoint import check_adjoint as check_adjoint
 from numpy_cae.verify.checks.gradients import check_gradients as check_gradients
 from numpy_cae.verify.grading.report import report as report
 from numpy_cae.verify.operations.catalogue import properties as properties
+from numpy_cae.verify.operations.example import example as example
 from numpy_cae.verify.operations.own_operation import operation_test as operation_test
 from numpy_cae.verify.operations.own_operation import properties_of as properties_of
 from numpy_cae.verify.operations.trial import check_property as check_property
-from numpy_cae.verify.operations.trial import example as example
 
 __all__ = [name for name in dir() if not name.startswith("_")]

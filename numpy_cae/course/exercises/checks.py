@@ -13,6 +13,7 @@ import numpy as np
 
 from numpy_cae.verify.checks.gradients import wrong_gradients
 from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, leaves, rebuilt
+from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, DTYPE, Mismatch
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import Property, require_equal
 
@@ -44,7 +45,7 @@ def with_arguments(check: Check, arguments: Arguments) -> Callable[[Callable, Ca
     return lambda function, case: check(function, case, **arguments(case))
 
 
-@states("purity", "no argument is changed", copied=False, is_form=True)
+@states("purity", "no argument is changed", copied=False, is_form=True, watches_state=True)
 def purity(function, case, **given):
     """The property of every exercise whose arguments are arrays."""
     before = deepcopy(given)
@@ -53,7 +54,7 @@ def purity(function, case, **given):
         after = dict(leaves(name, given[name]))
         for part, array in leaves(name, argument):
             if isinstance(array, np.ndarray) and not np.array_equal(after[part], array):
-                raise AssertionError(f"the call changes {part}")
+                raise Mismatch(ALTERED, part, f"the call changes {part}")
 
 
 def drawn(**entries: object) -> Arguments:
@@ -151,11 +152,13 @@ class Differentiated:
             problems = wrong_gradients(f, [*arrays.values()], names, case.rng(), only=chosen)
             function(*given.values())  # the call that a report shows
             if problems:
-                others = (problem.partition(", shape")[0] for problem in problems[1:])
-                raise AssertionError("\n".join([problems[0], *others]))
+                first, *others = problems
+                also = (f"also: {other.subject}" for other in others)
+                message = "\n".join([str(first), *also])
+                raise Mismatch(first.kind, first.subject, message)
 
         statement = "it agrees with central differences of the function that you wrote"
-        return states(name, statement)(check)
+        return states(name, statement, is_gradient=True)(check)
 
     def keeps_float32(self) -> Property:
         """The value and the gradients of float32 arguments are float32."""
@@ -169,7 +172,7 @@ class Differentiated:
                 dtype = np.asarray(result).dtype
                 if dtype != np.float32 and type(result) is not float:
                     what = "the value" if result is value else "a gradient"
-                    raise AssertionError(f"given float32, {what} is {dtype}")
+                    raise Mismatch(DTYPE, what, f"given float32, {what} is {dtype}")
 
         return states("dtype", "float32 stays float32", is_form=True)(check)
 
@@ -225,7 +228,8 @@ def require_parts(returned, names) -> tuple | list:
         return returned
     expected = f"expected {len(names)}: {', '.join(names)}"
     if isinstance(returned, tuple | list):
-        raise AssertionError(f"the number of things that it returns is {len(returned)}, {expected}")
+        count = f"the number of things that it returns is {len(returned)}"
+        raise Mismatch(COUNT, "the number of things", f"{count}, {expected}")
     raise TypeError(f"it returns {type(returned).__name__}, {expected}")
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.verify.checks.call import gradients_of, require_shape
+from numpy_cae.verify.checks.mismatch import NUMBER, Mismatch
 
 
 def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 1e-12) -> None:
@@ -44,10 +45,13 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
     require_shape("the value", value, np.shape(y))
     (pulled,) = gradients_of(pullback(y), 1)
     require_shape("what the pullback returns", pulled, np.shape(x))
-    forward, backward = float(np.sum(value * y)), float(np.sum(x * pulled))
+    forward = float(np.sum(value * y))
+    backward = float(np.sum(x * pulled))
     scale = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
     if not abs(forward - backward) <= tolerance * scale:
-        raise AssertionError(
+        raise Mismatch(
+            NUMBER,
+            "the pullback",
             f"the pullback is not the adjoint: <A x, y> = {forward:.12g}, "
-            f"but <x, A' y> = {backward:.12g}"
+            f"but <x, A' y> = {backward:.12g}",
         )

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from numpy_cae.verify.checks.mismatch import COUNT, SHAPE, TYPE, Mismatch
 from numpy_cae.verify.checks.written import described
 
 
@@ -36,26 +37,27 @@ def call_of_array(f: Callable, inputs: Sequence) -> tuple[np.ndarray, Callable]:
 
 
 def gradients_of(pulled: object, count: int) -> tuple:
-    """What a pullback returned as a tuple; raise an AssertionError if it has another length."""
+    """What a pullback returned as a tuple; raise a Mismatch if it has another length."""
     gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
     if len(gradients) != count:
         returned = f"the pullback returns {len(gradients)} gradient(s), expected {count}"
-        raise AssertionError(f"{returned}: one for each differentiated argument, in their order")
+        order = "one for each differentiated argument, in their order"
+        raise Mismatch(COUNT, "the pullback", f"{returned}: {order}")
     return tuple(gradients)
 
 
 def require_array(what: str, result: object) -> None:
-    """Raise an AssertionError unless a result is an array; one of a subclass, a matrix, is not."""
+    """Raise a Mismatch unless a result is an array; one of a subclass, such as a matrix, is not."""
     if result is None:
-        raise AssertionError(f"{what} is None, expected shape and numbers of an array")
+        raise Mismatch(TYPE, what, f"{what} is None, expected shape and numbers of an array")
     if type(result) is not np.ndarray and not isinstance(result, np.generic):
-        raise AssertionError(f"{what} is a {type(result).__name__}, not an array")
+        raise Mismatch(TYPE, what, f"{what} is a {type(result).__name__}, not an array")
 
 
 def require_shape(what: str, result: object, shape: tuple[int, ...]) -> None:
-    """Raise an AssertionError unless a result has this shape."""
+    """Raise a Mismatch unless a result has this shape."""
     if np.shape(result) != shape:
-        raise AssertionError(f"{what} has shape {np.shape(result)}, expected {shape}")
+        raise Mismatch(SHAPE, what, f"{what} has shape {np.shape(result)}, expected {shape}")
 
 
 def parts(value: object) -> Sequence:

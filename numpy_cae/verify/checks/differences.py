@@ -19,6 +19,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from numpy_cae.verify.checks.mismatch import KINK
+
 SMALLER = (1 / 8, 1 / 64, 1 / 512)
 LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
 ROUNDING_MARGIN = 32
@@ -31,7 +33,8 @@ NEGLIGIBLE = 1e-10
 """NEGLIGIBLE: beside a gradient of 0, to rounding, a slope of so small a part of the largest may be
 the rounding of terms that cancel, as in a convolution by Fourier matrices."""
 
-AGREES, WRONG, KINK = "agrees", "wrong", "kink"
+AGREES = "agrees"
+WRONG = "wrong"
 
 
 @dataclass(frozen=True)
@@ -115,11 +118,13 @@ class Argument:
         self, direction: np.ndarray, step: float, analytic: float, depend: np.ndarray
     ) -> Slope:
         """The slope from both sides; what does not depend on x adds no rounding."""
-        ahead, behind = self.x + step * direction, self.x - step * direction
-        plus, minus = self.f(ahead), self.f(behind)
+        ahead = self.x + step * direction
+        behind = self.x - step * direction
+        plus = self.f(ahead)
+        minus = self.f(behind)
         moved = direction != 0
         taken = float(np.median((ahead - behind)[moved] / direction[moved])) / 2  # x + h is rounded
-        weight, change = np.abs(self.dy), plus - minus
+        weight = np.abs(self.dy)
         bend = np.abs(plus - 2 * self.here + minus)
         moved_outputs = (plus != self.here) | (minus != self.here)
         depend |= moved_outputs
@@ -131,7 +136,7 @@ class Argument:
             step=step,
             central=(right + left) / (2 * taken),
             jump=float(np.sum(weight * bend) / taken),
-            size=float(np.sum(weight * np.abs(change)) / (2 * taken)),
+            size=float(np.sum(weight * np.abs(plus - minus)) / (2 * taken)),
             remainder=(abs(right - taken * analytic) + abs(left - taken * analytic)) / 2,
             noise=float(rounding / taken),
             moved=bool((moved_outputs & (self.dy != 0)).any()),
@@ -152,9 +157,12 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> Verdict:
     slopes = sorted(moved or slopes, key=lambda slope: slope.step)
     neighbours = zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
     errors = [one.noise + abs(one.central - other.central) for one, other in neighbours]
-    best, error = slopes[int(np.argmin(errors))], min(errors)
-    numeric, rates = best.central, _rates(slopes)
-    gap, larger = abs(numeric - analytic), max(abs(numeric), abs(analytic))
+    best = slopes[int(np.argmin(errors))]
+    error = min(errors)
+    numeric = best.central
+    rates = _rates(slopes)
+    gap = abs(numeric - analytic)
+    larger = max(abs(numeric), abs(analytic))
     allowed = tolerance * max(larger, best.size) + error
     smallest = slopes[0]
     corner = smallest.jump > max(slopes[-1].jump / 2, smallest.noise, allowed)

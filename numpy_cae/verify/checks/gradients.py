@@ -2,33 +2,46 @@
 
 The slope of Σ dy ∘ f along an entry of an argument must equal the entry of the gradient that the
 pullback returns for dy. `check_gradients` and `_slope_agrees` are the textbook check with one step.
-The other functions handle arrays with too many entries to try each, float32 and tuples;
-`differences` judges the directions that one step does not confirm.
+The other functions handle arrays with too many entries to try each, float32 and tuples.
+The module `differences` judges the directions that one step does not confirm.
 """
 
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts
-from numpy_cae.verify.checks.differences import KINK, WRONG, Argument, Verdict, step_scale
+from numpy_cae.verify.checks.differences import WRONG, Argument, Verdict, step_scale
 from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, is_array, rebuilt
+from numpy_cae.verify.checks.mismatch import (
+    ALTERED,
+    DTYPE,
+    KINK,
+    REPEATED,
+    SLOPE,
+    Mismatch,
+)
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import WORTH_PRINTING, written, written_apart
 
 EVERY_ENTRY_UP_TO = 100
+"""EVERY_ENTRY_UP_TO: arrays of at most so many entries are checked entry by entry."""
 DIRECTIONS = 4
+"""DIRECTIONS: a larger array is checked along so many random directions for each size of entry."""
 KINKS_EXCUSED = 0.05
+"""KINKS_EXCUSED: kinks are excused in at most this share of the entries."""
 SINGLE_TOLERANCE = 1e-4
-"""The smallest tolerance if an argument is float32."""
+"""SINGLE_TOLERANCE: the relative tolerance is at least this if an argument is float32."""
 AGAIN = (
     "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
     "gradients: it is not linear, or keeps something between calls"
 )
 OTHERWISE = "called again, f returns another {}: randomness comes in as an argument"
 COARSE = "given float64, the value is computed in float32, too coarse to measure its slope"
+OVERWRITTEN = "the gradient that was returned first is overwritten by the second"
 SUM = "the gradients from all outputs are not the sum of those from each"
 
 
@@ -88,7 +101,8 @@ def check_gradients(
     notes: list[str] = []
     with noted(notes, file_of(f)):
         problems = wrong_gradients(f, inputs, names, rng, tolerance, only)
-    conclude(problems, notes)
+    others = ("also: " + " ".join(str(problem).split()[:60]) for problem in problems[1:])
+    conclude([*map(str, problems[:1]), *others], notes)
 
 
 def wrong_gradients(
@@ -100,16 +114,16 @@ def wrong_gradients(
     only: Sequence[str] | None = None,
     upstream: Callable | None = None,
     kinks_excused: float = KINKS_EXCUSED,
-) -> list[str]:
-    """What is wrong with each gradient, the first in full, the others in a line.
+) -> list[Mismatch]:
+    """What is wrong with each gradient.
 
-    `upstream` makes the upstream gradient of an output, by default random numbers; of so large a
-    share of the entries a kink is excused.
+    `upstream` makes the upstream gradient of an output, by default random numbers. Kinks are
+    excused in so large a share of the entries.
     """
     if not any(is_array(*leaf) for leaf in all_leaves(inputs, names)):
         raise TypeError("no argument is an array of float64 or float32")
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
-    problems: list[str] = []
+    problems: list[Mismatch] = []
     for argument in _arguments(f, inputs, names, upstream, tolerance):
         name = argument.name.partition(" from output ")[0]
         if only is None or {name, name.partition("[")[0]} & set(only):
@@ -117,7 +131,7 @@ def wrong_gradients(
             doubtful = [v for v in directions if not _slope_agrees(argument, v)]
             if doubtful:
                 problems += _judge(argument, doubtful, len(directions), rng, kinks_excused)
-    return problems[:1] + ["also: " + " ".join(p.split()[:60]) for p in problems[1:]]
+    return problems
 
 
 def _slope_agrees(at: Argument, direction: np.ndarray) -> bool:
@@ -127,7 +141,8 @@ def _slope_agrees(at: Argument, direction: np.ndarray) -> bool:
     """
     # The errors are step² times the third derivative, and epsilon / step by rounding.
     step = np.cbrt(at.epsilon)
-    ahead, behind = at.f(at.x + step * direction), at.f(at.x - step * direction)
+    ahead = at.f(at.x + step * direction)
+    behind = at.f(at.x - step * direction)
     numeric = np.sum(at.dy * (ahead - behind)) / (2 * step)
     analytic = np.sum(at.gradient * direction)
     allowed = at.tolerance * max(abs(numeric), abs(analytic))
@@ -147,7 +162,7 @@ def _arguments(
     outputs = parts(call(f, rebuilt(inputs, iter(copies(wide))))[0])
     is_coarse = any(np.asarray(y).dtype == np.float32 for y in outputs)
     if is_coarse and tolerance < SINGLE_TOLERANCE:
-        raise AssertionError(COARSE)
+        raise Mismatch(DTYPE, "the value", COARSE)
     epsilon = float(np.finfo(np.float32 if is_coarse else np.float64).eps)
     for i in places:
         for k, gradients in pulled.items():
@@ -155,6 +170,27 @@ def _arguments(
             along = _function_of_one(f, inputs, wide, i, k)
             both = np.ravel(dys[k]), np.ravel(outputs[k])
             yield Argument(name, along, wide[i], *both, gradients[i], epsilon, tolerance)
+
+
+@dataclass(frozen=True)
+class _Call:
+    """One call of f, whose pullback is called with multiples of the upstream gradients."""
+
+    inputs: Sequence
+    names: Sequence[str]
+    dys: list  # an upstream gradient for each output, None for an output without floats
+    value: object
+    pullback: Callable
+
+    def gradients(self, factors: Sequence[float]) -> list:
+        """The gradient for each array; raise a Mismatch if the upstream gradient is altered."""
+        scaled = [None if dy is None else a * dy for a, dy in zip(factors, self.dys, strict=True)]
+        given = copies(scaled)
+        has_several = isinstance(self.value, tuple | list)
+        pulled = self.pullback(tuple(given) if has_several else given[0])
+        for now, was in zip(given, scaled, strict=True):
+            _require_untouched("the upstream gradient", now, was)
+        return gradients_of_leaves(self.inputs, self.names, pulled)
 
 
 def _gradients_of_two_calls(
@@ -170,33 +206,38 @@ def _gradients_of_two_calls(
     value, pullback = call(f, inputs)
     outputs = copies(parts(value))
     dys = [np.array(upstream(y), np.asarray(y).dtype)[()] if is_float(y) else None for y in outputs]
-
-    def pulled_back(pullback: Callable, factors: Sequence[float]) -> list:
-        scaled = [None if dy is None else a * dy for a, dy in zip(factors, dys, strict=True)]
-        given = copies(scaled)
-        pulled = pullback(tuple(given) if isinstance(value, tuple | list) else given[0])
-        for now, was in zip(given, scaled, strict=True):
-            _require_untouched("the upstream gradient", now, was)
-        return gradients_of_leaves(inputs, names, pulled)
-
+    first = _Call(inputs, names, dys, value, pullback)
     ones = [1.0] * len(dys)
-    first = pulled_back(pullback, ones)
-    kept = copies(first)
+    gradients = first.gradients(ones)
+    kept = copies(gradients)
     for (name, leaf), was in zip(named, before, strict=True):
         _require_untouched(name, leaf, was)
-    again = pulled_back(pullback, [-4.0] * len(dys))
+    _require_linear(first, gradients, kept)
+    value, pullback = call(f, rebuilt(inputs, iter(copies(before))))
+    _require_same(OTHERWISE.format("value"), outputs, parts(value))
+    again = replace(first, pullback=pullback)
+    _require_same(OTHERWISE.format("gradient"), kept, again.gradients(ones))
+    return dys, _of_each_output(first, kept)
+
+
+def _require_linear(first: _Call, gradients: list, kept: list) -> None:
+    """Raise unless -4 dy gives -4 times the gradients, and leaves the first ones as they were."""
+    again = first.gradients([-4.0] * len(first.dys))
     _require_same(AGAIN, [-4.0 * g for g in kept if g is not None], again)
-    _require_same("the gradient that was returned first is overwritten by the second", kept, first)
-    other_value, other_pullback = call(f, rebuilt(inputs, iter(copies(before))))
-    _require_same(OTHERWISE.format("value"), outputs, parts(other_value))
-    _require_same(OTHERWISE.format("gradient"), kept, pulled_back(other_pullback, ones))
-    places = [k for k, dy in enumerate(dys) if dy is not None]
+    _require_same(OVERWRITTEN, kept, gradients)
+
+
+def _of_each_output(first: _Call, kept: list) -> dict[int, list]:
+    """The gradients from each output alone; raise unless their sum is that from all outputs."""
+    places = [k for k, dy in enumerate(first.dys) if dy is not None]
     if len(places) == 1:
-        return dys, {places[0]: kept}
-    of_each = {k: copies(pulled_back(pullback, np.eye(len(dys))[k])) for k in places}
-    each = (terms for terms in zip(*of_each.values(), strict=True) if terms[0] is not None)
-    _require_same(SUM, kept, [sum(terms) for terms in each])
-    return dys, of_each
+        return {places[0]: kept}
+    alone = np.eye(len(first.dys))
+    of_each = {k: copies(first.gradients(alone[k])) for k in places}
+    terms_of_each = zip(*of_each.values(), strict=True)
+    sums = [sum(terms) for terms in terms_of_each if terms[0] is not None]
+    _require_same(SUM, kept, sums)
+    return of_each
 
 
 def _function_of_one(
@@ -214,56 +255,66 @@ def _function_of_one(
 
 def _require_untouched(name: str, array: object, before: object) -> None:
     if isinstance(array, np.ndarray) and not np.array_equal(array, before, equal_nan=True):
-        raise AssertionError(f"{name} was altered: an operation never changes its arguments")
+        rule = "an operation never changes its arguments"
+        raise Mismatch(ALTERED, name, f"{name} was altered: {rule}")
 
 
 def _require_same(problem: str, first: Sequence, second: Sequence) -> None:
-    """Raise an AssertionError with the problem unless all floats agree, to rounding."""
-    one, other = flat(first), flat(second)
+    """Raise a Mismatch with the problem unless all floats agree, to rounding."""
+    one = flat(first)
+    other = flat(second)
     allowed = 1000 * np.finfo(one.dtype).eps * np.max(np.abs(one), initial=0.0)
     if one.shape != other.shape or not np.allclose(one, other, 0, allowed, equal_nan=True):
-        raise AssertionError(problem)
+        raise Mismatch(REPEATED, problem, problem)
 
 
 def _judge(
     at: Argument, doubtful: list, tried: int, rng: np.random.Generator, kinks_excused: float
-) -> Iterator[str]:
+) -> Iterator[Mismatch]:
     """Judge the directions that one step did not confirm; say where the numbers disagree most."""
     of_what = "entries" if at.x.size <= EVERY_ENTRY_UP_TO else "random directions"
     wrong, kinks = _wrong_and_kinks(at, doubtful)
     if of_what != "entries" and kinks:
         entries = _entries(at.x, rng.choice(at.x.size, EVERY_ENTRY_UP_TO, replace=False))
         of_entries, kinks = _wrong_and_kinks(at, entries)
-        tried, wrong = len(wrong) + EVERY_ENTRY_UP_TO, wrong + of_entries
+        tried = len(wrong) + EVERY_ENTRY_UP_TO
+        wrong += of_entries
     if wrong:
         worst = max(wrong, key=lambda one: abs(one[1].numeric - one[1].analytic))
-        index, verdict = _trace(at, *worst)
-        numbers = written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
-        rates = ", ".join(f"{rate:.2f}" for rate in verdict.rates)
-        lines = [
-            f"the gradient for {at.name}, shape {at.x.shape}, is wrong at index {index}",
-            f"by the pullback                      {numbers[0]}",
-            f"by central differences of the value  {numbers[1]}",
-            f"wrong in {len(wrong)} of {tried} {of_what}",
-        ]
-        if rates:
-            lines.append(f"Taylor's remainder falls with the powers {rates} of the step, not 2")
-        if at.dy.size <= WORTH_PRINTING:
-            lines.append(f"upstream gradient, flat: {written(at.dy)}")
-        yield "\n    ".join(lines)
+        yield _wrong_slope(at, *_trace(at, *worst), f"{len(wrong)} of {tried} {of_what}")
     elif len(kinks) > max(1, int(kinks_excused * tried)):
         index, verdict = _trace(at, *kinks[0])
-        yield (
+        text = (
             f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {tried} "
             f"entries, such as {index}: its two slopes differ by {abs(verdict.jump):.6g}\n"
             "    too many to be excused: choose inputs away from kinks"
         )
+        yield Mismatch(KINK, at.name, text)
+
+
+def _wrong_slope(at: Argument, index: tuple[int, ...], verdict: Verdict, share: str) -> Mismatch:
+    """What is wrong with one entry of a gradient, with both numbers."""
+    what = f"the gradient for {at.name}"
+    numbers = written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
+    lines = [
+        f"{what}, shape {at.x.shape}, is wrong at index {index}",
+        f"by the pullback                      {numbers[0]}",
+        f"by central differences of the value  {numbers[1]}",
+        f"wrong in {share}",
+    ]
+    if verdict.rates:
+        rates = ", ".join(f"{rate:.2f}" for rate in verdict.rates)
+        lines.append(f"Taylor's remainder falls with the powers {rates} of the step, not 2")
+    if at.dy.size <= WORTH_PRINTING:
+        lines.append(f"upstream gradient, flat: {written(at.dy)}")
+    return Mismatch(SLOPE, what, "\n    ".join(lines))
 
 
 def _wrong_and_kinks(at: Argument, directions: Iterable[np.ndarray]) -> Iterator[list]:
     """(direction, verdict) of each direction that is wrong, and of each that has a kink."""
     judged = [(direction, at.judge(direction)) for direction in directions]
-    return ([one for one in judged if one[1].kind == kind] for kind in (WRONG, KINK))
+    for kind in (WRONG, KINK):
+        yield [one for one in judged if one[1].kind == kind]
 
 
 def _directions(at: Argument, rng: np.random.Generator) -> Iterator[np.ndarray]:
@@ -301,7 +352,8 @@ def _trace(at: Argument, direction, verdict) -> tuple[tuple[int, ...], Verdict]:
         halves = np.array_split(entries, 2)
         judged = [at.judge(_restricted(direction, half)) for half in halves]
         worse = max((0, 1), key=lambda i: abs(judged[i].numeric - judged[i].analytic))
-        entries, verdict = halves[worse], judged[worse]
+        entries = halves[worse]
+        verdict = judged[worse]
     index = tuple(map(int, np.unravel_index(entries[0], direction.shape)))
     numbers = np.array([verdict.numeric, verdict.analytic, verdict.jump]) / direction[index]
     return index, Verdict(verdict.kind, *numbers.tolist(), verdict.rates)

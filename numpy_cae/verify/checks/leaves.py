@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
+from numpy_cae.verify.checks.mismatch import COUNT, NOT_FINITE, TYPE, Mismatch
 from numpy_cae.verify.checks.written import described
 
 CONTAINERS = (dict, list, tuple)
@@ -37,7 +38,7 @@ def gradients_of_leaves(inputs: Sequence, names: Sequence[str], pulled: object) 
     """What a pullback returned for each part of the arguments; None where it returned nothing.
 
     It may return a gradient for each argument, or for those that have arrays of floats. Raise an
-    AssertionError if there is another number of gradients, if one has not the structure of its
+    Mismatch if there is another number of gradients, if one has not the structure of its
     argument, or if one belongs to something that has none, such as integers.
     """
     of_floats = [i for i, x in enumerate(inputs) if any(is_array(n, x) for n, x in leaves("", x))]
@@ -53,7 +54,8 @@ def gradients_of_leaves(inputs: Sequence, names: Sequence[str], pulled: object) 
             _require_gradient(name, np.shape(leaf), gradient)
         elif gradient is not None:
             unexpected = f"{name} is {described(leaf)}, which is not differentiated"
-            raise AssertionError(f"{unexpected}, but the pullback returns a gradient for it")
+            returned = f"{unexpected}, but the pullback returns a gradient for it"
+            raise Mismatch(COUNT, "the pullback", returned)
     return matched
 
 
@@ -70,21 +72,24 @@ def _matched(name: str, argument: object, gradient: object) -> list:
     """The parts of a gradient that has the structure of its argument; None for each without one."""
     if not isinstance(argument, CONTAINERS):
         return [gradient]
-    expected, given = dict(leaves(name, argument)), dict(leaves(name, gradient))
+    expected = dict(leaves(name, argument))
+    given = dict(leaves(name, gradient))
     if gradient is not None and expected.keys() != given.keys():
-        returned = f"the gradient for {name} is {described(gradient)}"
-        raise AssertionError(f"{returned}, expected the structure of {name}, {described(argument)}")
+        what = f"the gradient for {name}"
+        structure = f"the structure of {name}, {described(argument)}"
+        raise Mismatch(TYPE, what, f"{what} is {described(gradient)}, expected {structure}")
     return [given.get(part) for part in expected]
 
 
 def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> None:
     """Raise unless a gradient is an array of finite real numbers in the shape of its argument."""
+    what = f"the gradient for {name}"
     if shape or not isinstance(gradient, float):
-        require_array(f"the gradient for {name}", gradient)
-    require_shape(f"the gradient for {name}", gradient, shape)
+        require_array(what, gradient)
+    require_shape(what, gradient, shape)
     if np.iscomplexobj(gradient):
-        raise AssertionError(f"the gradient for {name} is complex")
+        raise Mismatch(TYPE, what, f"{what} is complex")
     if not np.all(np.isfinite(gradient)):
         index = tuple(np.argwhere(~np.isfinite(gradient))[0].tolist())
         number = np.asarray(gradient)[index]
-        raise AssertionError(f"the gradient for {name} is {number} at index {index}")
+        raise Mismatch(NOT_FINITE, what, f"{what} is {number} at index {index}")

@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from numpy_cae.verify.checks.mismatch import ALTERED, SHAPE
 from numpy_cae.verify.operations.catalogue import (
     CONTRACT,
     Exercise,
@@ -18,11 +19,11 @@ WIDTH = 98
 INDENT = 10
 GROUPS = ("value", "gradients", "the rest")
 """What a property is about, by its `group`."""
-WHY = ("problem", "counterexample", "likely_mistake")
 UNSOLVED = NotImplementedError.__name__
+"""UNSOLVED: the kind of an outcome where the function is still the stub of a lesson."""
 WAITS = ("", " (counts once the value earns all)", " (counts once value and gradients are right)")
 ROUNDING = 1e-6
-"""ROUNDING: points of properties are parts of a whole number; so much less than one is one."""
+"""ROUNDING: a sum of points that is at most this below a whole number is that number."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Report:
     @property
     def unsolved(self) -> bool:
         """Whether the function is still the stub of a lesson."""
-        return all(outcome.problem.startswith(UNSOLVED) for outcome in self.outcomes)
+        return all(outcome.kind == UNSOLVED for outcome in self.outcomes)
 
     @property
     def notes(self) -> list[str]:
@@ -94,7 +95,6 @@ class Report:
                     "problem": outcome.problem,
                     "counterexample": outcome.counterexample,
                     "likely_mistake": outcome.mistake,
-                    "case": outcome.case and [outcome.case.sizes, outcome.case.seed],
                 }
                 for outcome, points in zip(self.outcomes, self.earned(), strict=True)
             ],
@@ -128,11 +128,12 @@ class Report:
         yield from _wrapped(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
         yield from _why(first)
         for reason in dict.fromkeys(map(_reason, self.failing())):
-            names = ", ".join(o.stated.name for o in others if _reason(o) == reason)
+            alike = [outcome for outcome in others if _reason(outcome) == reason]
+            names = ", ".join(outcome.stated.name for outcome in alike)
             if names and reason == _reason(first):
                 yield from _wrapped("  FAILED  for the same reason: ", names, INDENT)
             elif names:
-                what = _of_another_gradient(names, reason[0]) + reason[0]
+                what = "not compared, since " * all(map(_is_of_another, alike)) + reason[0]
                 yield from _wrapped(f"  FAILED  {names}: ", what, INDENT)
                 if reason[1] not in ("", first.mistake):
                     yield from _wrapped(" " * INDENT + "likely:   ", reason[1], 2 * INDENT + 2)
@@ -147,8 +148,7 @@ class Report:
         """
 
         def place(outcome: Outcome) -> int:
-            alters = "must not alter" in outcome.problem
-            return (outcome.stated.name == "special inputs") - alters
+            return (outcome.stated.name == "special inputs") - (outcome.kind == ALTERED)
 
         failing = [outcome for outcome in self.outcomes if outcome.problem and not outcome.held]
         return sorted(failing, key=place)
@@ -156,7 +156,8 @@ class Report:
     def shares(self) -> str:
         """The points of each group of properties, and why one that holds may have none."""
         groups = [outcome.stated.group for outcome in self.outcomes]
-        earned, texts = self.earned(), []
+        earned = self.earned()
+        texts = []
         for number in sorted(set(groups)):
             of_group = [k for k, group in enumerate(groups) if group == number]
             possible = sum(self.outcomes[k].stated.points for k in of_group)
@@ -171,11 +172,10 @@ def _reason(outcome: Outcome) -> tuple[str, str]:
     return outcome.problem.splitlines()[0], outcome.mistake
 
 
-def _of_another_gradient(names: str, what: str) -> str:
-    """What to say of gradients that were not compared, since one beside them has no right shape."""
-    whose, shape, _ = what.removeprefix("the ").partition(" has shape ")
-    gradients = names.startswith("gradient for") and whose.startswith("gradient for")
-    return "not compared, since " if shape and gradients and whose not in names else ""
+def _is_of_another(outcome: Outcome) -> bool:
+    """Whether a gradient was not compared, since one beside it has no right shape."""
+    own = outcome.stated.subject
+    return outcome.kind == SHAPE and own not in ("", outcome.subject)
 
 
 def _names(head: str, outcomes: Sequence[Outcome]) -> list[str]:
@@ -247,48 +247,33 @@ def report(
     """
     exercise = find_exercise(operation)
     called = called or getattr(function, "__name__", exercise.name)
+    followed, outcomes = tested(exercise, function, any_convention)
+    return Report(followed, called, outcomes)
+
+
+def tested(
+    exercise: Exercise, function: Callable, any_convention: bool
+) -> tuple[Exercise, tuple[Outcome, ...]]:
+    """The outcome of every property, and the exercise in the convention that was followed."""
     if any_convention:
         for followed in (exercise, *in_other_conventions(exercise)):
             if holds(followed, function):
-                return Report(
-                    followed, called, tuple(Outcome(p, True) for p in followed.properties)
-                )
+                return followed, tuple(Outcome(stated, True) for stated in followed.properties)
     first, *others = exercise.properties
     outcome = try_property(first, function)
-    if outcome.problem.startswith(UNSOLVED):
-        rest = [Outcome(stated, False, UNSOLVED) for stated in others]
+    if outcome.kind == UNSOLVED:
+        rest = [Outcome(stated, False, UNSOLVED, kind=UNSOLVED) for stated in others]
     elif not outcome.held and _never_answers(first, function):
         rest = [Outcome(stated, False) for stated in others]
     else:
         rest = [try_property(stated, function) for stated in others]
-    return Report(exercise, called, (outcome, *rest))
+    return exercise, (outcome, *rest)
 
 
 def _never_answers(stated: Property, function: Callable) -> bool:
     """Whether a function raises, or returns something else than it has to, in every case."""
     errors = (failure(stated, function, case) for case in stated.cases())
     return not any(isinstance(error, AssertionError | None) for error in errors)
-
-
-def report_from_reply(exercise: Exercise, called: str, reply: dict) -> Report:
-    """The report that another process made, or a report that says why there is none.
-
-    The reply is `Report.as_json`; names, statements and points are not taken from it.
-    """
-    try:
-        problem = readable(reply.get("failed", ""))
-        if not problem:
-            every = (exercise, *in_other_conventions(exercise))
-            (followed,) = (one for one in every if one.convention == reply["convention"])
-            both = zip(followed.properties, reply["properties"], strict=True)
-            outcomes = (
-                Outcome(stated, one["held"] is True, *(readable(one[key]) for key in WHY))
-                for stated, one in both
-            )
-            return Report(followed, called, tuple(outcomes))
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        problem = f"its process sent no reply: {error}"
-    return Report(exercise, called, tuple(Outcome(p, False, problem) for p in exercise.properties))
 
 
 def holds(exercise: Exercise, implementation: Callable) -> bool:

@@ -6,16 +6,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from numpy_cae.verify.grading.report import WIDTH, Report, readable, report_from_reply
+from numpy_cae.verify.grading.reply import report_of
+from numpy_cae.verify.grading.report import WIDTH, Report, readable
 from numpy_cae.verify.grading.sandbox.process import run
 from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import catalogue as operations
 from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 
 TIME_LIMIT = 120.0
+"""TIME_LIMIT: a whole file has this time (s) by default."""
 EXERCISE_SECONDS = 30.0
-"""CPU time of one exercise; it may be idle for as long again."""
+"""EXERCISE_SECONDS: one exercise has this processor time (s); it may be idle for as long again."""
 MEMORY_LIMIT = 2048
+"""MEMORY_LIMIT: each process has this memory (MB) by default."""
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 COPIED = "the cell of {} is there more than once: the last one counts"
 MISSING = (
@@ -154,8 +157,12 @@ def _graded(
     reply: dict,
 ) -> FileReport:
     """The report from the reply of `run`; `counted` are the exercises that count in any case."""
+<<<<<<< HEAD
     graded = FileReport(submission.path, copied=submission.copied)
     graded.notes += [COPIED.format(name) for name in submission.copied]
+=======
+    graded = FileReport(submission.path)
+>>>>>>> 235717b (verify: what failed is a field of a Mismatch, no text is parsed; outcomes become JSON once; long functions are divided)
     results = reply.get("results", {})
     problems = reply.get("problems", [])
     fault = reply["failed"]
@@ -168,7 +175,7 @@ def _graded(
             continue
         result = results.get(name, {"failed": f"it has no function {function}"})
         result = {"failed": fault} if fault else result
-        report = report_from_reply(catalogue[name], function, result)
+        report = report_of(catalogue[name], function, result)
         if name not in counted and _is_helper(report, submission):
             helpers.append(report)
             continue
@@ -184,4 +191,4 @@ def _graded(
 
 def _is_helper(report: Report, submission: Submission) -> bool:
     """Whether a function has an operation's name, but other arguments or results."""
-    return "TypeError" in report.outcomes[0].problem and submission.calls(report.called)
+    return report.outcomes[0].kind == TypeError.__name__ and submission.calls(report.called)

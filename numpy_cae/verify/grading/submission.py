@@ -13,7 +13,9 @@ import numpy as np
 from numpy_cae.verify.checks.written import error_text
 
 LARGEST_PROGRAM = 2**20
-LARGEST_NOTEBOOK = 2**25  # with its pictures
+"""LARGEST_PROGRAM: a Python file may have at most so many bytes."""
+LARGEST_NOTEBOOK = 2**25
+"""LARGEST_NOTEBOOK: a notebook, with its pictures, may have at most so many bytes."""
 MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
 CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
 STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
@@ -67,9 +69,11 @@ class Submission:
         The parts may use the functions of `given` and, in a notebook, `np`. After the parts have
         run, the functions of `instead` replace those of the same names.
         """
-        module, problems = ModuleType("student"), []
-        sys.modules["student"], sys.modules["mine"] = module, ModuleType("mine")
-        vars(sys.modules["mine"]).update(given)  # the functions of earlier lessons
+        module = ModuleType("student")
+        mine = ModuleType("mine")
+        vars(mine).update(given)  # the functions of earlier lessons
+        sys.modules.update(student=module, mine=mine)
+        problems = []
         sys.path.append(str(self.path.parent))
         names = vars(module)
         builtins = vars(sys.modules["builtins"])

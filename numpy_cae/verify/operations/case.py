@@ -14,12 +14,14 @@ from itertools import cycle, islice, product
 
 import numpy as np
 
-MAX_SHRINKS = 150
 SEEDS = 10_000
+"""SEEDS: the seed of a case is below this number."""
 SEEDS_TRIED = 3
+"""SEEDS_TRIED: seeds below this number are tried to make a counterexample simpler."""
 LARGE = 16
-"""A size above LARGE occurs in one case of a property only, together with small sizes."""
+"""LARGE: a size above this occurs in one case of a property only, together with small sizes."""
 VERY_LARGE = 100
+"""VERY_LARGE: a size above this gets a case of its own, in which all other sizes are small."""
 ORDINARY = "ordinary"
 THE_SAME = "the same array"
 
@@ -143,7 +145,9 @@ LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 
 def drawn(case: Case, rng: np.random.Generator, reach: float = 2.0, **shapes) -> dict:
     """Arrays by name: all, or the one that the case names, are of its class of values."""
-    draw, arrays, of_shape = VALUES.get(case.get("values"), EXTREME), {}, {}
+    draw = VALUES.get(case.get("values"), EXTREME)
+    arrays: dict[str, np.ndarray] = {}
+    of_shape: dict[tuple[int, ...], np.ndarray] = {}
     for name, shape in shapes.items():
         special = case.get("of") in (ORDINARY, name)
         arrays[name] = (draw if special else spread)(rng, shape, reach)
@@ -162,30 +166,55 @@ def random_cases(
     case, in which everything else is simple. The last options of all sizes get one case for each
     of the classes in `together` that the sizes have.
     """
-    combined = [size for size in combined if size in sizes]
+    rng = np.random.default_rng(zlib.crc32(name.encode()))
+    rows = [
+        *_mixed_rows(rng, sizes, count, [size for size in combined if size in sizes]),
+        *_rows_of_very_large_sizes(sizes),
+        *_rows_of_last_sizes(sizes, together),
+    ]
+    cases = [Case(tuple(row.items()), int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
+    return sorted(cases, key=_entries)
+
+
+def _mixed_rows(
+    rng: np.random.Generator, sizes: Sizes, count: int, combined: Sequence[str]
+) -> Iterator[dict]:
+    """Random sizes and classes, all equally often, and every combination of some of them."""
     every = list(product(*(sizes[size] for size in combined)))
     count = max(count, len(every), 2 * min(len(every), count))
-    rng = np.random.default_rng(zlib.crc32(name.encode()))
     columns = {size: _column(rng, options, count) for size, options in sizes.items()}
     combinations = zip(*islice(cycle(every), count), strict=True)
     columns.update(zip(combined, map(list, combinations), strict=True))
-    large = [(size, option) for size in sizes for option in filter(_is_large, sizes[size])]
+    large = [(size, option) for size in sizes for option in sizes[size] if _is_large(option)]
     with_small = [(size, option) for size, option in large if option <= VERY_LARGE]
-    alone = [(size, option) for size, option in large if option > VERY_LARGE]
     for number, (size, option) in zip(rng.permutation(count), with_small, strict=False):
         columns[size][number] = option
-    rows = [tuple(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
-    ordinary = {name: options[0] for name, options in sizes.items()}
+    for row in zip(*columns.values(), strict=True):
+        yield dict(zip(columns, row, strict=True))
+
+
+def _rows_of_very_large_sizes(sizes: Sizes) -> Iterator[dict]:
+    """Each very large size once, beside one of the two simplest options of all other sizes."""
+    large = [(size, option) for size in sizes for option in sizes[size] if _is_large(option)]
+    alone = [(size, option) for size, option in large if option > VERY_LARGE]
     for number, (size, option) in enumerate(alone):
-        simple = {name: options[:2][number % 2 - 1] for name, options in numbers.items()}
-        rows.append(tuple((ordinary | simple | {size: option}).items()))
-    last = ordinary | {name: options[-1] for name, options in numbers.items()}
+        simple = {name: options[:2][number % 2 - 1] for name, options in _numbers(sizes).items()}
+        yield _first_options(sizes) | simple | {size: option}
+
+
+def _rows_of_last_sizes(sizes: Sizes, together: Sequence[Mapping]) -> Iterator[dict]:
+    last = {name: options[-1] for name, options in _numbers(sizes).items()}
     for classes in together:
         if all(option in sizes.get(name, ()) for name, option in classes.items()):
-            rows.append(tuple((last | dict(classes)).items()))
-    cases = [Case(row, int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
-    return sorted(cases, key=_entries)
+            yield _first_options(sizes) | last | dict(classes)
+
+
+def _first_options(sizes: Sizes) -> dict:
+    return {name: options[0] for name, options in sizes.items()}
+
+
+def _numbers(sizes: Sizes) -> Sizes:
+    return {name: options for name, options in sizes.items() if isinstance(options[0], int)}
 
 
 def _column(rng: np.random.Generator, options: Sequence, count: int) -> list:
@@ -201,33 +230,3 @@ def _is_large(option: int | str) -> bool:
 
 def _entries(case: Case) -> int:
     return math.prod(size for _, size in case.sizes if isinstance(size, int))
-
-
-def smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:
-    """A case that fails in the same way; making any one size or class simpler would pass."""
-    tried = 0
-    while tried < MAX_SHRINKS:
-        for simpler in _simpler(case, sizes):
-            tried += 1
-            if fails(simpler):
-                case = simpler
-                break
-        else:
-            break
-    return case
-
-
-def _simpler(case: Case, sizes: Sizes) -> Iterator[Case]:
-    """The case with one size, class or seed made simpler, largest simplifications first."""
-    for number, (name, size) in enumerate(case.sizes):
-        for option in sizes[name][: sizes[name].index(size)]:
-            changed = (*case.sizes[:number], (name, option), *case.sizes[number + 1 :])
-            yield Case(changed, case.seed)
-    for seed in range(min(case.seed, SEEDS_TRIED)):
-        yield Case(case.sizes, seed)
-
-
-def example_call(name: str, case: Case) -> str:
-    """The call of `verify.example` that returns a case."""
-    sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
-    return f'example("{name}", {sizes}, seed={case.seed})'

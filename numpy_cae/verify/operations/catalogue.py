@@ -1,8 +1,6 @@
-"""What may be tested under which name: `CATALOGUE`, the operations of `numpy_cae.ops` and the tied
-layer.
+"""`CATALOGUE`: the operations of `numpy_cae.ops` and the tied layer, with their properties.
 
-Another module can have a larger `CATALOGUE`: that of `numpy_cae.course.catalogue` adds the
-exercises of the lessons.
+`numpy_cae.course.catalogue` has a larger `CATALOGUE`, which contains the exercises of the lessons.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -36,7 +34,8 @@ class Exercise:
 
 def properties_of_operation(name: str, convention: Patch | None = None) -> tuple[Property, ...]:
     """Every property of an operation, or of the operation in another convention."""
-    operation, only_ours = OPERATIONS[name], ""
+    operation = OPERATIONS[name]
+    only_ours = ""
     if convention is not None:
         operation = replace(operation, reference=convention.function())
         only_ours = convention.caught_by

@@ -26,9 +26,11 @@ from numpy_cae.verify.operations.property import (
 
 OF_GRADIENTS = ("gradient for x", "gradient for h0", "special inputs")
 SEVERAL = 2
+"""SEVERAL: a mistake is named only if the right operation differs in at least so many cases."""
 GENERAL_CASES = 8
+"""GENERAL_CASES: two mistakes that explain the same are compared in so many further cases."""
 FRAMES = 1200
-"""FRAMES: over so many the gradient of a GRU is followed."""
+"""FRAMES: the gradient of a GRU is followed back over so many frames."""
 TRUNCATED = "Truncated backpropagation: of 1200 frames the last one's gradient reaches {} only."
 
 
@@ -36,7 +38,8 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     """The sentence on the mistake because of which a property does not hold, or ""."""
     if stated.diagnose is not None:
         return stated.diagnose(stated, implementation)
-    mistake, operation = _known_mistake(stated, implementation), stated.definition
+    mistake = _known_mistake(stated, implementation)
+    operation = stated.definition
     if not mistake and operation and operation.name == "gru" and stated.name in OF_GRADIENTS:
         frames = _carried_back(operation.reference, implementation)
         return TRUNCATED.format(frames) if frames else ""
@@ -69,7 +72,8 @@ def _has_one_buffer(stated: Property, implementation: Callable) -> bool:
 
     Not where the pullback is wrong when it is called again: it remembers or adds something.
     """
-    operation, case = stated.check.operation, stated.cases()[0]
+    operation = stated.check.operation
+    case = stated.cases()[0]
     cases = (case, Case(case.sizes, case.seed + 1))
     given, others = (copies([*operation.arguments(each).values()]) for each in cases)
     try:
@@ -92,8 +96,9 @@ def _carried_back(right: Callable, gru: Callable) -> int:
     state, so that the right gradient is nowhere small. (One frame may have other causes.)
     """
     rng = np.random.default_rng(0)
-    x, h0, w, u = rng.random((1, FRAMES, 1)), np.zeros((1, 1)), np.ones((1, 3)), np.zeros((1, 3))
-    arguments = [x, h0, w, u, np.array([0.0, 12.0, 0.0]), np.zeros(3)]
+    x = rng.random((1, FRAMES, 1))
+    weights = [np.ones((1, 3)), np.zeros((1, 3)), np.array([0.0, 12.0, 0.0]), np.zeros(3)]
+    arguments = [x, np.zeros((1, 1)), *weights]
     dy = np.where(np.arange(FRAMES) == FRAMES - 1, 1.0, 0.0).reshape(x.shape)
     try:
         expected, dx = (f(*copies(arguments))[1](dy.copy())[0].ravel() for f in (right, gru))

@@ -66,7 +66,8 @@ def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray,
 
 
 CLASSES = {"values": tuple(VALUES)}
-EXTREME, AT_BOUNDS = {"values": (*VALUES, "extreme")}, {"values": (*VALUES, "bound")}
+EXTREME = {"values": (*VALUES, "extreme")}
+AT_BOUNDS = {"values": (*VALUES, "bound")}
 CHANNELS = (1, 2, 3, 17)
 WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
 PAIRS = WINDOW | {"frames": (2, 4, 6, 8, 10, 16, 18, 140)}
@@ -102,10 +103,11 @@ channels. All last sizes are tried together; few filters keep that fast for code
 SHORTER = {"longer": LONG | {"batch": (128, 300, 1030, 2), "frames": (1100, 240)}}
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 1.0
-"""WEIGHT_REACH: weights of a gate with one unit are then quarters, which paper is enough for."""
+"""WEIGHT_REACH: ordinary weights of a GRU are at most this; of one hidden unit, quarters."""
 ARCTANH_REACH = 1.31
+"""ARCTANH_REACH: ordinary arguments of arctanh are at most this, which is beyond every bound."""
 CHAOTIC = 34
-"""With more frames or units than CHAOTIC, a GRU with large weights amplifies rounding errors."""
+"""CHAOTIC: with more frames or hidden units, large weights of a GRU amplify rounding errors."""
 
 
 def arguments_of(
@@ -179,8 +181,10 @@ def _mask(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
 
 def _gru(case: Case) -> dict[str, object]:
     """The arguments of `gru`, or of `gru_step` if the case has no frames."""
-    rng, batch, hidden, channels = case.rng(), case["batch"], case["hidden"], case["channels"]
-    gates, frames = 3 * hidden, case.get("frames", 0)
+    rng = case.rng()
+    batch, hidden, channels = (case[size] for size in ("batch", "hidden", "channels"))
+    gates = 3 * hidden
+    frames = case.get("frames", 0)
     x, state = ((batch, frames, channels), "h0") if frames else ((batch, channels), "h")
     weights = {"w": (channels, gates), "u": (hidden, gates), "b": (gates,), "c": (gates,)}
     arrays = drawn(case, rng, WEIGHT_REACH, x=x, **{state: (batch, hidden)}, **weights)
@@ -232,9 +236,11 @@ def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) ->
 WITHOUT_TIES = {"values": (ORDINARY, "random", "near ties", "tiny", "large", "offset")}
 TIED = tuple(name for name in EXTREME["values"] if name not in WITHOUT_TIES["values"])
 SATURATES = {"saturates": True}
-SELECTS, ELEMENTWISE = {"floor": 0.0}, {"floor": 64 * float(np.finfo(float).eps)}
+SELECTS = {"floor": 0.0}
+ELEMENTWISE = {"floor": 64 * float(np.finfo(float).eps)}
 POINTS_ALIKE = {"alike": _mean_of_equal_points}
-_WINDOW, _BANK = "batch frames channels", "taps channels filters"
+_WINDOW = "batch frames channels"
+_BANK = "taps channels filters"
 _conv1d = arguments_of({"x": _WINDOW, "w": _BANK, "b": "filters"}, {})
 _linear = arguments_of({"x": "... channels", "w": "channels features", "b": "features"}, {})
 _pool = arguments_of({"x": _WINDOW}, {})

@@ -82,7 +82,8 @@ def properties_of(
         ...
     """
     name = getattr(f, "__name__", "the operation")
-    text, leading = " ".join(shapes.values()), leading_axes(shapes)
+    text = " ".join(shapes.values())
+    leading = leading_axes(shapes)
     names = text.replace("...", " ".join(leading)).replace("*", " ").split()
     drawn_sizes = {size: SIZES for size in names if not size.isdigit()}
     unknown = {*(sizes or ()), *(values or ()), *(differentiable or ())} - {*shapes, *drawn_sizes}

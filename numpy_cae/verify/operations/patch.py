@@ -150,6 +150,7 @@ def conventions_of(operation: str) -> tuple[Patch, ...]:
 
 
 def _combined(patches: tuple[Patch, ...]) -> Patch:
-    name, sentence = "_and_".join(p.name for p in patches), "; ".join(p.sentence for p in patches)
+    name = "_and_".join(patch.name for patch in patches)
+    sentence = "; ".join(patch.sentence for patch in patches)
     replacements = tuple(replacement for patch in patches for replacement in patch.replacements)
     return replace(patches[0], name=name, sentence=sentence, replacements=replacements)

@@ -4,35 +4,40 @@ A check compares what an implementation returns with what it should return. The 
 operations are in `shared_properties`, the properties of single ones in `single_properties`.
 """
 
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
+from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, NUMBER, TYPE, Mismatch, what_failed
 from numpy_cae.verify.checks.written import written_apart
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
 from numpy_cae.verify.operations.operation import Operation
 
 EXACT = 1e-10
+"""EXACT: results of float64 agree if they differ by at most this, relative to the largest entry."""
 EXAMPLES = 24
-"""The number of cases of a property that does not set `examples`."""
+"""EXAMPLES: a property that does not set `examples` is tried on at least so many cases."""
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 1.7}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
 UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
 """Upstream gradients: one class of arrays, or of scalars if the value is a scalar."""
 
-Findings = Iterator[tuple]
-"""(name, result, expected[, tolerance]) of each comparison; EXACT without a tolerance."""
 
-
-class Mismatch(AssertionError):
-    """A result that is not as expected."""
+class Finding(NamedTuple):
+    """A result of an implementation, beside what it should be."""
 
     what: str
-    result: np.ndarray
-    expected: np.ndarray
+    result: object
+    expected: object
+    tolerance: float = EXACT
+    floor: float | None = None
+    kind: str = NUMBER
+
+
+Findings = Iterator[Finding]
 
 
 @dataclass(frozen=True)
@@ -47,15 +52,14 @@ class Comparison:
             require_equal(*finding)
 
     def results(self, implementation: Callable, case: Case) -> list:
-        """All results of an implementation; if it raises, the words of the error come last."""
+        """All results of an implementation; if it raises, what failed comes last."""
         seen: list = []
         try:
             with np.errstate(all="ignore"):
-                for _, result, *_ in self.findings(self.operation, implementation, case):
-                    seen.append(np.copy(result))
+                for finding in self.findings(self.operation, implementation, case):
+                    seen.append(np.copy(finding.result))
         except (Exception, SystemExit) as error:
-            words = re.findall(r"[A-Za-z]\w+", str(error))
-            seen.append(np.array([type(error).__name__, *words]))
+            seen.append(np.array(what_failed(error)))
         return seen
 
 
@@ -79,6 +83,9 @@ class Property:
     together: tuple[dict[str, str], ...] = ()  # classes to try with the last option of every size
     diagnose: Callable[..., str] | None = field(default=None, repr=False)  # in place of diagnosis
     is_form: bool = False  # functions without the right value may have it, too
+    is_gradient: bool = False
+    subject: str = ""  # what it is about, as mismatches name it, such as "the gradient for x"
+    watches_state: bool = False  # whether global state is compared, too
 
     def cases(self) -> list[Case]:
         """Random cases, the same in every run, smallest arrays first."""
@@ -87,14 +94,10 @@ class Property:
 
     @property
     def group(self) -> int:
-        """What it is about: 0 the value, 1 a gradient, 2 anything else.
-
-        An operation has one property about its value, an exercise that is none may have several.
-        """
-        kind = self.name.partition(" ")[0].rstrip("s")
-        if kind in ("value", "gradient"):
-            return int(kind == "gradient")
-        return 2 if self.is_form or isinstance(self.check, Comparison) else 0
+        """What it is about: 0 the value, 1 a gradient, 2 anything else."""
+        if self.is_gradient:
+            return 1
+        return 2 if self.is_form else 0
 
     @property
     def definition(self) -> Operation | None:
@@ -112,6 +115,8 @@ class Outcome:
     problem: str = ""
     counterexample: str = ""
     mistake: str = ""
+    kind: str = ""  # of the mismatch, or the type of another error
+    subject: str = ""  # of the mismatch
     case: Case | None = None  # the counterexample's
     notes: tuple[str, ...] = ()  # the warnings of the implementation
 
@@ -125,37 +130,32 @@ def property_of(
     **others: object,
 ) -> Property:
     """A property of an operation, tried with its sizes and further classes."""
-    sizes, check = {**operation.sizes, **classes}, Comparison(operation, findings)
-    of_operation = {"operation": operation.name, "arguments": operation.arguments}
-    return Property(name, statement, check, sizes=sizes, **of_operation, **others)
-
-
-def case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
-    """A case of an operation's properties; a ValueError if a size is missing or unknown."""
-    allowed: dict[str, list] = {}
-    for stated in properties:
-        for name, options in stated.sizes.items():
-            allowed.setdefault(name, []).extend(options)
-    needed = {name for name, options in allowed.items() if ORDINARY not in options}
-    if not needed <= set(sizes) <= set(allowed):
-        names, got = ", ".join(allowed), ", ".join(sizes)
-        raise ValueError(f"{properties[0].operation} has the sizes {names}, got {got}")
-    for name, size in sizes.items():
-        if isinstance(size, str) and size not in allowed[name]:
-            options = ", ".join(dict.fromkeys(map(str, allowed[name])))
-            raise ValueError(f"{name} is {size!r}, expected one of {options}")
-    return Case(tuple(sizes.items()), seed)
+    options = {"is_form": True, "arguments": operation.arguments, **others}
+    return Property(
+        name,
+        statement,
+        Comparison(operation, findings),
+        sizes={**operation.sizes, **classes},
+        operation=operation.name,
+        **options,
+    )
 
 
 def require_equal(
-    what: str, result, expected, tolerance: float = EXACT, floor: float | None = None
+    what: str,
+    result,
+    expected,
+    tolerance: float = EXACT,
+    floor: float | None = None,
+    kind: str = NUMBER,
 ) -> None:
     """Raise a Mismatch unless two arrays agree in shape and, to rounding, in every entry.
 
     The tolerance is relative to the largest entry. With a floor, the tolerance is relative to
     each entry, plus the floor.
     """
-    result, expected = np.asarray(result), np.asarray(expected)
+    result = np.asarray(result)
+    expected = np.asarray(expected)
     require_shape(what, result, expected.shape)
     size = np.abs(expected)
     if floor is None:
@@ -170,9 +170,8 @@ def require_equal(
         least = float(np.broadcast_to(allowed, off.shape)[index])  # what is smaller is rounding
         pair = (float(array[index]) for array in (result, expected))
         one, other = written_apart(*(0.0 if abs(v) <= least else v for v in pair), 10)
-        error = Mismatch(f"{what} is {one}{place}, expected {other}")
-        error.what, error.result, error.expected = what, result, expected
-        raise error
+        text = f"{what} is {one}{place}, expected {other}"
+        raise Mismatch(kind, what, text, result, expected)
 
 
 def agrees(result, expected) -> bool:
@@ -188,9 +187,11 @@ def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
     """The gradients that a pullback returned, by argument."""
     gradients = gradients_of(pulled, len(operation.differentiated))
     if len(gradients) == 1 and isinstance(pulled, tuple | list):
-        raise AssertionError("return the one gradient itself, not a tuple that contains it")
+        text = "return the one gradient itself, not a tuple that contains it"
+        raise Mismatch(COUNT, "the pullback", text)
     if isinstance(pulled, list):
-        raise AssertionError("the pullback returns a list, expected a tuple of gradients")
+        text = "the pullback returns a list, expected a tuple of gradients"
+        raise Mismatch(TYPE, "the pullback", text)
     named = dict(zip(operation.differentiated, gradients, strict=True))
     for name, gradient in named.items():
         require_array(f"the gradient for {name}", gradient)
@@ -224,7 +225,9 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
 
     That of a number is a Python number, which leaves float32 arrays float32.
     """
-    rng, kind, shape = np.random.default_rng([case.seed, 1]), case.get("upstream"), np.shape(value)
+    rng = np.random.default_rng([case.seed, 1])
+    kind = case.get("upstream")
+    shape = np.shape(value)
     if not shape:
         return NUMBERS.get(kind, float(rng.uniform(1.5, 2.5)))
     dy = spread(rng, shape)
@@ -269,10 +272,16 @@ def rounding(case: Case, arguments: Mapping[str, object]) -> float:
 def compared(operation: Operation, implementation: Callable, case: Case) -> Findings:
     """Compare all results with the definition's, and the arguments with their copies."""
     arguments = operation.arguments(case)
-    given, (dy, right) = copies(arguments), right_results(operation, case, arguments)
+    given = copies(arguments)
+    dy, right = right_results(operation, case, arguments)
     allowed = rounding(case, arguments)
     for what, result in results(operation, implementation, given, copied(dy)).items():
         both = (operation.alike(arguments, one) for one in (result, right[what]))
-        yield what, *both, allowed, operation.floor_of(dy)
+        yield Finding(what, *both, allowed, operation.floor_of(dy))
     for name, after in zip(arguments, given, strict=True):
-        yield f"{name}, which must not be altered,", 1 * after, 1 * arguments[name], 0
+        yield unaltered(f"{name}, which must not be altered,", after, arguments[name])
+
+
+def unaltered(what: str, after, before) -> Finding:
+    """The comparison of an array after a call with its copy."""
+    return Finding(what, 1 * after, 1 * before, 0, None, ALTERED)

@@ -1,12 +1,10 @@
 """The properties that every operation shares: its value, each gradient, dtype, purity, strides.
 
-The first line of the docstring of `_linearity` and the functions below is the statement.
-
 docs/verify.md lists what is not tested because the contract leaves it open.
 """
 
-import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,11 +12,13 @@ import numpy as np
 from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.call import call_of_array
 from numpy_cae.verify.checks.gradients import wrong_gradients
+from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.property import (
     EXACT,
     UPSTREAM,
+    Finding,
     Findings,
     Property,
     agrees,
@@ -31,12 +31,16 @@ from numpy_cae.verify.operations.property import (
     results,
     right_results,
     rounding,
+    unaltered,
 )
 
 FLOAT32 = float(np.finfo(np.float32).eps)
 FLOAT32_ULPS = 64
+"""FLOAT32_ULPS: a result of float32 may be off by so many roundings of float32."""
 FURTHER_CALLS = 7
+"""FURTHER_CALLS: in some cases a result is compared again after so many further calls."""
 GRADIENT_POINTS = VALUE_POINTS = 2
+VALUE = "the value is that of the definition, loop by loop"
 LAYOUT = {"layout": tuple(LAYOUTS)}
 ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")}
 """Classes whose entries are of similar size, so that rounding of large ones hides no small one."""
@@ -45,20 +49,25 @@ ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "re
 def shared_properties(operation: Operation) -> Iterator[Property]:
     """The properties that every operation has; some are stated for each argument."""
     if operation.reference or operation.definition:
-        yield property_of(operation, "value", _value.__doc__, _value, {}, points=VALUE_POINTS)
+        options = {"points": VALUE_POINTS, "is_form": False}
+        yield property_of(operation, "value", VALUE, _value, {}, **options)
     for name in operation.differentiated:
+        what = f"the gradient for {name}"
         right = "the definition" if operation.reference else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
-        check, classes = partial(_gradient, name), UPSTREAM | operation.without_ties
-        title, points = f"gradient for {name}", GRADIENT_POINTS
-        yield property_of(operation, title, statement, check, classes, points=points)
+        findings = partial(_gradient, name)
+        options = {"points": GRADIENT_POINTS, "is_gradient": True, "subject": what}
+        classes = UPSTREAM | operation.without_ties
+        yield property_of(
+            operation, f"gradient for {name}", statement, findings, classes, **options
+        )
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
-        check, classes = partial(_adjoint, name), UPSTREAM | ALIKE_IN_SIZE
-        yield property_of(operation, f"adjoint in {name}", statement, check, classes)
-    for name, findings, classes, combined in SHARED:
-        statement = inspect.getdoc(findings).partition("\n")[0]
-        yield property_of(operation, name, statement, findings, classes, combined=combined)
+        findings = partial(_adjoint, name)
+        classes = UPSTREAM | ALIKE_IN_SIZE
+        yield property_of(operation, f"adjoint in {name}", statement, findings, classes)
+    for name, statement, findings, classes, options in SHARED:
+        yield property_of(operation, name, statement, findings, classes, **options)
     if operation.reference:
         more = operation.longer
         longer = {size: (*given, *more.get(size, ())) for size, given in operation.sizes.items()}
@@ -68,33 +77,36 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
 
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """the value is that of the definition, loop by loop"""
     arguments = operation.arguments(case)
     value, _ = call_of_array(implementation, copies(arguments))
     right = operation.value(*copies(arguments))
-    yield *_again("the value", value, right), EXACT, operation.floor
+    of_first = _again("the value", value, right)
+    yield of_first._replace(tolerance=EXACT, floor=operation.floor)
     others = operation.arguments(Case(case.sizes, case.seed + 1))
     one = list(arguments)[case.seed // 2 % len(arguments)]
     kept, new = (arguments, others) if case.seed % 2 else (others, arguments)
     others = {**kept, one: new[one]}  # all but one are the same, or only one
-    value, expected = implementation(*copies(others))[0], operation.value(*copies(others))
+    value, _ = implementation(*copies(others))
     which = "another" if case.seed % 2 else "the same"
-    yield f"of {which} {one} after a first call, the value", value, expected
+    what = f"of {which} {one} after a first call, the value"
+    yield Finding(what, value, operation.value(*copies(others)))
 
 
 def _gradient(
     argument: str, operation: Operation, implementation: Callable, case: Case
 ) -> Findings:
     """Compare with the definition's gradient, or with differences if the value is wrong."""
-    arguments, names = operation.arguments(case), operation.differentiated
+    arguments = operation.arguments(case)
+    names = operation.differentiated
     value, pullback = call_of_array(implementation, copies(arguments))
-    what, right = f"the gradient for {argument}", {}
+    what = f"the gradient for {argument}"
+    right = {}
     if operation.reference:
         dy, right = right_results(operation, case, arguments)
     if right and agrees(value, right["the value"]):
         gradient = differentiated(operation, pullback(copied(dy)))[argument]
         both = (operation.alike(arguments, one) for one in (gradient, right[what]))
-        yield what, *both, rounding(case, arguments), operation.floor_of(dy)
+        yield Finding(what, *both, rounding(case, arguments), operation.floor_of(dy))
     elif not operation.reference or case.get("values") == case.get("state") == ORDINARY:
 
         def f(*inputs):
@@ -107,7 +119,7 @@ def _gradient(
         problems = wrong_gradients(f, inputs, names, case.rng(), only=(argument,), **others)
         implementation(*copies(arguments))  # the call that a report shows
         if problems:
-            raise AssertionError(problems[0])
+            raise problems[0]
 
 
 def _adjoint(argument: str, operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -120,19 +132,17 @@ def _adjoint(argument: str, operation: Operation, implementation: Callable, case
     value, *gradients = results(operation, implementation, copies(arguments), dy).values()
     pulled = gradients[operation.differentiated.index(argument)]
     check_adjoint(lambda x: (value - at_zero, lambda dy: pulled), x, dy)
-    yield "A' dy", pulled, pulled
+    yield Finding("A' dy", pulled, pulled)
 
 
 def _linearity(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each
-
-    Give three upstream gradients in the same array, after the value was deleted.
-    """
+    """Give three upstream gradients in the same array, after the value was deleted."""
     value, pullback = implementation(*copies(operation.arguments(case)))
     one = drawn_upstream(case, value)
     del value
     other = np.flip(one).copy() if np.ndim(one) else 1 / 3
-    dy, pulled = np.copy(one), []
+    dy = np.copy(one)
+    pulled = []
     for upstream in (one, other, 2 * one - 3 * other):
         dy[...] = upstream
         gradients = differentiated(operation, pullback(dy if np.ndim(one) else copied(upstream)))
@@ -144,15 +154,13 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
 
 
 def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """float32 stays float32, with its precision, float64 likewise
-
-    Compare float32 with float64; arguments changed by rounding give the error allowed.
-    """
+    """Compare float32 with float64; arguments changed by rounding give the error allowed."""
     if case.get("state") == "huge":  # rounding may turn a gate, and then all frames that follow
         return
     if case.get("layout") == "broadcast" and not operation.reference:
         return  # equal entries cancel in general functions, and leave nothing but rounding
-    rng, layout = np.random.default_rng(0), LAYOUTS[case.get("layout")]
+    rng = np.random.default_rng(0)
+    layout = LAYOUTS[case.get("layout")]
     arguments = operation.arguments(case)
     arguments = dict(zip(arguments, copies(arguments, layout), strict=True))
     dy = drawn_upstream(case, implementation(*copies(arguments))[0])
@@ -181,7 +189,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
             by = max(float(np.max(np.abs(m[what] - exact[what]), initial=0.0)) for m in moved)
             allowed = FLOAT32_ULPS * (FLOAT32 * max(floor, _largest(expected)) + by)
             off = operation.alike(arguments, np.float64(result)) - expected
-            yield f"of float32, the error of {what}", off, np.zeros_like(off), allowed
+            yield Finding(f"of float32, the error of {what}", off, np.zeros_like(off), allowed)
 
 
 def _in_float32(argument: object) -> object:
@@ -200,18 +208,18 @@ def _largest(*arrays) -> float:
 def _require_dtype(what: str, result, dtype: type) -> None:
     actual = np.asarray(result).dtype
     if actual != dtype and type(result) is not float:  # a Python number has no dtype to lose
-        raise AssertionError(f"given {np.dtype(dtype)}, {what} is {actual}")
+        raise Mismatch(DTYPE, what, f"given {np.dtype(dtype)}, {what} is {actual}")
 
 
 def _purity(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """no argument and no upstream gradient is altered"""
-    layout, arguments = LAYOUTS[case.get("layout")], operation.arguments(case)
+    layout = LAYOUTS[case.get("layout")]
+    arguments = operation.arguments(case)
     given = copies(arguments, layout)
     before = copies(dict(zip(arguments, given, strict=True)))
 
     def arguments_after(call: str) -> Findings:
         for name, after, was in zip(arguments, given, before, strict=True):
-            yield f"{name}, which the {call} must not alter,", 1 * after, 1 * was, 0
+            yield unaltered(f"{name}, which the {call} must not alter,", after, was)
 
     value, pullback = implementation(*given)
     dy = drawn_upstream(case, value)
@@ -220,63 +228,100 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
         dy_given = layout_of_dy(dy) if np.ndim(dy) else copied(dy)
         dy_before = np.copy(dy_given)
         pullback(dy_given)
-        yield "the upstream gradient, which the pullback must not alter,", dy_given, dy_before, 0
+        what = "the upstream gradient, which the pullback must not alter,"
+        yield unaltered(what, dy_given, dy_before)
         yield from arguments_after("pullback")
 
 
-def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """a pullback called again returns the same, whatever was called in between
+@dataclass(frozen=True)
+class _Called:
+    """A call of an operation: its value, its pullback and an upstream gradient."""
 
-    Alternate between two calls, overwrite results, then change the arguments in place.
+    operation: Operation
+    value: np.ndarray | float
+    pullback: Callable
+    dy: np.ndarray | float
+
+    @classmethod
+    def of(
+        cls, operation: Operation, implementation: Callable, case: Case, given: list
+    ) -> "_Called":
+        value, pullback = implementation(*given)
+        return cls(operation, value, pullback, drawn_upstream(case, value))
+
+    def gradients(self, dy: np.ndarray | float | None = None) -> dict[str, np.ndarray]:
+        """What the pullback returns, by default for the call's own upstream gradient."""
+        upstream = self.dy if dy is None else dy
+        return differentiated(self.operation, self.pullback(copied(upstream)))
+
+
+def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """Alternate between two calls, overwrite results, then change the arguments in place.
 
     In some cases the results of the first call are kept over eight calls.
     """
+    call = partial(_Called.of, operation, implementation)
     another = Case(case.sizes, case.seed + 1)
     others = operation.arguments(another)
     given = copies(operation.arguments(case), LAYOUTS[case.get("layout")])
-
-    def pulled(by: Callable, upstream) -> dict[str, np.ndarray]:
-        return differentiated(operation, by(copied(upstream)))
-
-    alone, alone_pullback = implementation(*given)
-    value, dy = np.copy(alone), drawn_upstream(case, alone)
-    before = {name: np.copy(gradient) for name, gradient in pulled(alone_pullback, dy).items()}
-    returned, pullback = implementation(*given)
-    other_value, other_pullback = implementation(*copies(others))
-    other_value, other_dy = np.copy(other_value), drawn_upstream(another, other_value)
-    first = pulled(pullback, dy)
+    alone = call(case, given)
+    value = np.copy(alone.value)
+    right = _copied_by_name(alone.gradients())
+    first = call(case, given)
+    second = call(another, copies(others))
+    second_value = np.copy(second.value)
+    gradients = first.gradients()
     for _ in range(0 if case.seed % 4 else FURTHER_CALLS):
-        pulled(implementation(*copies(others))[1], other_dy)
-    other = {name: np.copy(gradient) for name, gradient in pulled(other_pullback, other_dy).items()}
-    pulled(pullback, other_dy)
-    yield _again("after further calls, the value that was returned first", returned, value)
-    for name, gradient in first.items():
+        call(another, copies(others)).gradients(second.dy)
+    second_right = _copied_by_name(second.gradients())
+    first.gradients(second.dy)
+    yield _again("after further calls, the value that was returned first", first.value, value)
+    yield from _kept(gradients, right)
+    yield from _called_again(first, right)
+    yield from _called_again(second, second_right)
+    if case.get("layout") not in ("read-only", "broadcast"):
+        _change_in_place(implementation, given, others)
+        again = results(operation, implementation, given, copied(second.dy))
+        expected = [second_value, *second_right.values()]
+        for (what, result), other in zip(again.items(), expected, strict=True):
+            yield _again(f"of the same arrays with other numbers, {what}", result, other)
+        yield _with_one_other_entry(operation, implementation, case, given)
+
+
+def _copied_by_name(gradients: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    return {name: np.copy(gradient) for name, gradient in gradients.items()}
+
+
+def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> Findings:
+    """Compare gradients with their copies; then overwrite them, as a caller may."""
+    for name, gradient in gradients.items():
         what = f"after further calls, the gradient for {name} that was returned first"
-        yield _again(what, gradient, before[name])
+        yield _again(what, gradient, right[name])
         if isinstance(gradient, np.ndarray) and gradient.flags.writeable:
             gradient[...] = np.nan
-    for by, upstream, expected in ((pullback, dy, before), (other_pullback, other_dy, other)):
-        for name, gradient in pulled(by, upstream).items():
-            yield _again(f"called again, the gradient for {name}", gradient, expected[name])
-    if case.get("layout") not in ("read-only", "broadcast"):
-        implementation(*given)
-        for number, new in enumerate(others.values()):
-            if isinstance(new, np.ndarray):
-                given[number][...] = new
-            else:
-                given[number] = new
-        again = results(operation, implementation, given, copied(other_dy))
-        expected = [other_value, *other.values()]
-        for (what, result), right in zip(again.items(), expected, strict=True):
-            yield _again(f"of the same arrays with other numbers, {what}", result, right)
-        yield _with_one_other_entry(operation, implementation, case, given)
+
+
+def _called_again(call: _Called, right: Mapping[str, np.ndarray]) -> Findings:
+    for name, gradient in call.gradients().items():
+        yield _again(f"called again, the gradient for {name}", gradient, right[name])
+
+
+def _change_in_place(implementation: Callable, given: list, others: Mapping[str, object]) -> None:
+    """Call with arguments, then give the same arrays other numbers."""
+    implementation(*given)
+    for number, new in enumerate(others.values()):
+        if isinstance(new, np.ndarray):
+            given[number][...] = new
+        else:
+            given[number] = new
 
 
 def _with_one_other_entry(
     operation: Operation, implementation: Callable, case: Case, given: list
-) -> tuple:
+) -> Finding:
     """Change one entry in place between two calls, to what it is in the case itself."""
-    arguments, names = operation.arguments(case), operation.differentiated
+    arguments = operation.arguments(case)
+    names = operation.differentiated
     name = names[case.seed % len(names)]
     array = given[list(arguments).index(name)]
     entry = case.seed // len(names) % array.size
@@ -285,12 +330,12 @@ def _with_one_other_entry(
     known = operation.reference or operation.definition
     right = operation.value if known else lambda *arrays: implementation(*arrays)[0]
     expected = right(*(np.copy(a) if isinstance(a, np.ndarray) else a for a in given))
-    return f"of the same arrays with one other entry of {name}, the value", value, expected
+    return Finding(f"of the same arrays with one other entry of {name}, the value", value, expected)
 
 
 def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """views in any memory order, or that cannot be written, give the same as copies"""
-    arguments, layout = operation.arguments(case), LAYOUTS[case.get("layout")]
+    arguments = operation.arguments(case)
+    layout = LAYOUTS[case.get("layout")]
     given = copies(arguments, layout)
     for number, name in enumerate(arguments):
         if case.get("of") not in (ORDINARY, name):
@@ -306,12 +351,13 @@ def _strides(operation: Operation, implementation: Callable, case: Case) -> Find
         yield _again(f"of arrays {case.get('layout')}, {what}", *both)
 
 
-def _again(what: str, result, expected) -> tuple:
+def _again(what: str, result, expected) -> Finding:
     """A comparison with an earlier result; entries that were not finite are left out."""
-    result, finite = np.asarray(result), np.isfinite(expected)
-    if result.shape == np.shape(expected):
-        return what, np.where(finite, result, 0), np.where(finite, expected, 0)
-    return what, result, expected
+    result = np.asarray(result)
+    if result.shape != np.shape(expected):
+        return Finding(what, result, expected)
+    finite = np.isfinite(expected)
+    return Finding(what, np.where(finite, result, 0), np.where(finite, expected, 0))
 
 
 SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the definition gives"
@@ -320,11 +366,16 @@ TOGETHER = ({}, KEPT | {"upstream": "sparse"}, KEPT | {"values": "huge", "of": "
 """Classes tried with the project's sizes. Where a state is kept: one gradient far back, and gates
 that pass the state over all frames."""
 VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
+LINEAR = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
+LAID_OUT = "views in any memory order, or that cannot be written, give the same as copies"
+PRECISE = "float32 stays float32, with its precision, float64 likewise"
+PURE = "no argument and no upstream gradient is altered"
+INDEPENDENT = "a pullback called again returns the same, whatever was called in between"
 SHARED = (
-    ("linearity", _linearity, UPSTREAM, ()),
-    ("strides", _strides, UPSTREAM | VIEWS, ("layout", "of")),
-    ("dtype", _dtype, UPSTREAM | LAYOUT, ()),
-    ("purity", _purity, UPSTREAM | LAYOUT, ()),
-    ("independence", _independence, UPSTREAM | LAYOUT, ()),
+    ("linearity", LINEAR, _linearity, UPSTREAM, {}),
+    ("strides", LAID_OUT, _strides, UPSTREAM | VIEWS, {"combined": ("layout", "of")}),
+    ("dtype", PRECISE, _dtype, UPSTREAM | LAYOUT, {}),
+    ("purity", PURE, _purity, UPSTREAM | LAYOUT, {"watches_state": True}),
+    ("independence", INDEPENDENT, _independence, UPSTREAM | LAYOUT, {}),
 )
-"""(name, findings, classes, the sizes of which every combination is drawn)."""
+"""(name, statement, findings, classes, other fields of the property)."""

@@ -14,6 +14,7 @@ from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import TIED, WITHOUT_TIES, Operation
 from numpy_cae.verify.operations.property import (
     UPSTREAM,
+    Finding,
     Findings,
     Property,
     compared,
@@ -36,11 +37,10 @@ def single_properties(operation: Operation) -> Iterator[Property]:
         yield property_of(operation, name, statement, findings, UPSTREAM | sizes)
 
 
-def states(names: str, name: str, **sizes: tuple) -> Callable:
+def states(names: str, name: str, statement: str, **sizes: tuple) -> Callable:
     """Make findings a property of operations, tried at `sizes` in place of the operation's own.
 
-    They are drawn with an implementation, a case and the arguments by name; their docstring is the
-    property's statement.
+    They are drawn with an implementation, a case and the arguments by name.
     """
 
     def register(drawn: Callable[..., Findings]) -> None:
@@ -48,7 +48,7 @@ def states(names: str, name: str, **sizes: tuple) -> Callable:
             return drawn(implementation, case, **operation.arguments(case))
 
         for operation in names.split():
-            _STATED.setdefault(operation, []).append((name, drawn.__doc__, findings, sizes))
+            _STATED.setdefault(operation, []).append((name, statement, findings, sizes))
 
     return register
 
@@ -70,103 +70,116 @@ COMPARED = (
 """Operations, name, statement, and the classes of values."""
 
 
-@states("conv1d", "shift in time", frames=(8, 9, 10), taps=(1, 3, 5))
+@states(
+    "conv1d",
+    "shift in time",
+    "away from the edges, a frame's delay of x delays y by a frame",
+    frames=(8, 9, 10),
+    taps=(1, 3, 5),
+)
 def _shift(conv1d, case, x, w, b):
-    """away from the edges, a frame's delay of x delays y by a frame"""
     beyond = len(w) // 2
     later = conv1d(np.roll(x, 1, axis=1), w, b)[0][:, beyond + 1 : case["frames"] - beyond]
     middle = slice(beyond, case["frames"] - beyond - 1)
-    yield "one frame later, the value", later, conv1d(x, w, b)[0][:, middle]
+    yield Finding("one frame later, the value", later, conv1d(x, w, b)[0][:, middle])
 
 
-@states("transpose_filters", "own inverse")
+@states("transpose_filters", "own inverse", "transposing twice changes nothing")
 def _own_inverse(transpose_filters, case, w):
-    """transposing twice changes nothing"""
-    yield "transposed twice, the bank", transpose_filters(transpose_filters(w)[0])[0], w
+    yield Finding("transposed twice, the bank", transpose_filters(transpose_filters(w)[0])[0], w)
 
 
-@states("unpool_random", "empty slot")
+@states("unpool_random", "empty slot", "the other frame of the pair is exactly 0")
 def _empty_slot(unpool_random, case, y, first):
-    """the other frame of the pair is exactly 0"""
     x, _ = unpool_random(y, first)
-    yield "the other frame", np.where(first, x[:, 1::2], x[:, 0::2]), np.zeros_like(y), 0
+    yield Finding("the other frame", np.where(first, x[:, 1::2], x[:, 0::2]), np.zeros_like(y), 0)
 
 
-@states("unpool_even unpool_random", "pair sums")
+@states("unpool_even unpool_random", "pair sums", "both frames of a pair sum to y")
 def _pair_sums(unpool, case, y, **mask):
-    """both frames of a pair sum to y"""
     x, _ = unpool(y, *mask.values())
-    yield "the sum of a pair", x[:, 0::2] + x[:, 1::2], y
+    yield Finding("the sum of a pair", x[:, 0::2] + x[:, 1::2], y)
 
 
-@states("arctanh", "inverse of tanh")
+@states(
+    "arctanh",
+    "inverse of tanh",
+    "arctanh ∘ tanh is the identity inside the bound, its derivative too",
+)
 def _inverse_of_tanh(arctanh, case, y, bound):
-    """arctanh ∘ tanh is the identity inside the bound, its derivative too"""
     x = spread(case.rng(), y.shape, np.arctanh(WIDE_BOUND) * 0.999)
     y, tanh_pullback = ops.tanh(x)
     back, pullback = arctanh(y, WIDE_BOUND)
-    yield "arctanh(tanh(x))", back, x
+    yield Finding("arctanh(tanh(x))", back, x)
     dx = drawn_upstream(case, x)
-    yield "through arctanh and tanh, the gradient", tanh_pullback(pullback(dx)), dx
+    yield Finding("through arctanh and tanh, the gradient", tanh_pullback(pullback(dx)), dx)
 
 
-@states("gru", "causality", frames=(2, 3, 4, 9))
+@states("gru", "causality", "no frame depends on a later one", frames=(2, 3, 4, 9))
 def _causality(gru, case, x, **others):
-    """no frame depends on a later one"""
     earlier, _ = gru(x[:, :-1], *others.values())
     whole, _ = gru(x, *others.values())
-    yield "of the earlier frames alone the value", earlier, whole[:, :-1]
+    yield Finding("of the earlier frames alone the value", earlier, whole[:, :-1])
 
 
-@states("gru", "kept state", frames=(2, 3, 4, 9))
+@states("gru", "kept state", "a sequence in two pieces is the whole one", frames=(2, 3, 4, 9))
 def _kept_state(gru, case, x, h0, **weights):
-    """a sequence in two pieces is the whole one"""
     head, _ = gru(x[:, :1], h0, *weights.values())
     tail, _ = gru(x[:, 1:], head[:, -1], *weights.values())
     whole, _ = gru(x, h0, *weights.values())
-    yield "in two pieces the value", np.concatenate([head, tail], axis=1), whole
+    yield Finding("in two pieces the value", np.concatenate([head, tail], axis=1), whole)
 
 
-@states("mean_squared_error", "zero at the target")
+@states(
+    "mean_squared_error",
+    "zero at the target",
+    "where x_hat equals x, loss and gradient are exactly 0",
+)
 def _zero_at_the_target(mean_squared_error, case, x_hat, x):
-    """where x_hat equals x, loss and gradient are exactly 0"""
     loss, pullback = mean_squared_error(x.copy(), x)
-    yield "at the target the loss", loss, 0.0, 0
+    yield Finding("at the target the loss", loss, 0.0, 0)
     dloss = drawn_upstream(case, loss)
-    yield "at the target the gradient", pullback(dloss), np.zeros_like(x), 0
+    yield Finding("at the target the gradient", pullback(dloss), np.zeros_like(x), 0)
 
 
-@states("sliced_wasserstein", "equal sets")
+@states("sliced_wasserstein", "equal sets", "between equal sets distance and gradient are 0")
 def _equal_sets(sliced_wasserstein, case, z, prior, directions):
-    """between equal sets distance and gradient are 0"""
     loss, pullback = sliced_wasserstein(case.rng().permutation(z), z, directions)
-    yield "between equal sets the distance", loss, 0.0
-    yield "between equal sets the gradient", pullback(1.0), np.zeros_like(z)
+    yield Finding("between equal sets the distance", loss, 0.0)
+    yield Finding("between equal sets the gradient", pullback(1.0), np.zeros_like(z))
 
 
-@states("sliced_wasserstein", "order")
+@states("sliced_wasserstein", "order", "the order of the points does not matter")
 def _order(sliced_wasserstein, case, z, prior, directions):
-    """the order of the points does not matter"""
     order = case.rng().permutation(len(z))
     loss, pullback = sliced_wasserstein(z, prior, directions)
     again, pullback_again = sliced_wasserstein(z[order], prior[order[::-1]], directions)
-    yield "in another order the distance", again, loss
+    yield Finding("in another order the distance", again, loss)
     if len(np.unique(z + 0.0, axis=0)) == len(z):  # equal points share a gradient in any way
-        yield "in another order the gradient", pullback_again(1.0), pullback(1.0)[order]
+        yield Finding("in another order the gradient", pullback_again(1.0), pullback(1.0)[order])
 
 
-@states("sliced_wasserstein", "optimal assignment", points=FEW, dimensions=(1,))
+@states(
+    "sliced_wasserstein",
+    "optimal assignment",
+    "in one dimension it is the cheapest assignment on squared costs, mean over points",
+    points=FEW,
+    dimensions=(1,),
+)
 def _assignment(sliced_wasserstein, case, z, prior, directions):
-    """in one dimension it is the cheapest assignment on squared costs, mean over points"""
     cheapest = min(np.mean((np.array(order) - prior) ** 2) for order in permutations(z))
-    yield "the distance", sliced_wasserstein(z, prior, np.ones((1, 1)))[0], cheapest
+    yield Finding("the distance", sliced_wasserstein(z, prior, np.ones((1, 1)))[0], cheapest)
 
 
-@states(LOSSES, "upstream default")
+@states(
+    LOSSES, "upstream default", "called without the upstream number, the pullback takes it to be 1"
+)
 def _one_by_default(loss, case, **arguments):
-    """called without the upstream number, the pullback takes it to be 1"""
     for dtype in (np.float64, np.float32):
         _, pullback = loss(*(array.astype(dtype) for array in arguments.values()))
-        by_default, of_one = pullback(), pullback(1.0)
-        yield "by default the gradient", by_default, of_one, 0
-        yield "by default the gradient's bytes a number", by_default.itemsize, of_one.itemsize, 0
+        by_default = pullback()
+        of_one = pullback(1.0)
+        yield Finding("by default the gradient", by_default, of_one, 0)
+        yield Finding(
+            "by default the gradient's bytes a number", by_default.itemsize, of_one.itemsize, 0
+        )

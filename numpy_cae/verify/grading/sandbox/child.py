@@ -16,16 +16,17 @@ import numpy.ma  # noqa: F401  np.median imports it: too late where a file chang
 
 from numpy_cae.verify.checks.notes import noted
 from numpy_cae.verify.checks.written import error_text
-from numpy_cae.verify.grading.report import report
+from numpy_cae.verify.grading.reply import reply_of
+from numpy_cae.verify.grading.report import tested
 from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.trial import failure
 
 MOST_WRITTEN = 2**26
-"""MOST_WRITTEN: the bytes that all files of a process may have together; an empty file counts as
-`LEAST_FILE` bytes."""
+"""MOST_WRITTEN: all files of a process together may have at most so many bytes."""
 LEAST_FILE = 2**12
+"""LEAST_FILE: a file counts as at least so many bytes, an empty one too."""
 SEVERAL_THREADS = "the grader's process has several threads, so that it cannot be forked safely"
 RIGHT_ALONE = "\nalone in a fresh process this example is right: something is kept between calls"
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
@@ -38,53 +39,77 @@ def main() -> None:
 
 
 def reply_to(request: dict) -> dict:
-    """What the file lacks, and for each function a report or the reason why there is none."""
+    """What the file lacks, and for each function its outcomes or the reason why there are none."""
     confinement.adopt_orphans()
-    submission = read_submission(Path(request["path"]))
-    catalogue = import_module(request["catalogue"]).CATALOGUE
-    given = {name: catalogue[name].solution for name in request["given"]}
-    wanted, used = request["wanted"], 0.0
+    return Grading(request).reply()
 
-    def apart(work: Callable[[], dict], left: int) -> dict:
+
+class Grading:
+    """The grading of one file, and how much of its time is used up."""
+
+    def __init__(self, request: dict) -> None:
+        self.request = request
+        self.submission = read_submission(Path(request["path"]))
+        self.catalogue = import_module(request["catalogue"]).CATALOGUE
+        self.given = {name: self.catalogue[name].solution for name in request["given"]}
+        self.instead: dict[str, Callable] = {}  # solutions in place of functions that do not hold
+        self.used = 0.0  # seconds
+
+    def reply(self) -> dict:
+        """Test each function that the file defines, one after the other."""
+        wanted = self.request["wanted"]
+        loaded = self.apart(self._names, 1)
+        present = [
+            name for name, function in wanted.items() if function in loaded.get("defined", ())
+        ]
+        results: dict[str, dict] = {}
+        for name, function in wanted.items():
+            if name in present:
+                left = len(present) - len(results)
+                results[name] = self.apart(partial(self._tested, name), left)
+                with suppress(LookupError, TypeError, AttributeError):  # a file may write its own
+                    self._try_alone(name, results[name].get("outcomes", ()), left)
+            held = all(one.get("held") for one in results.get(name, {}).get("outcomes", [{}]))
+            if name in self.request["replaced"] and not held:
+                self.instead[function] = self.catalogue[name].solution
+        return {"failed": "", "problems": [], **loaded, "results": results}
+
+    def apart(self, work: Callable[[], dict], left: int) -> dict:
         """The result of work in a confined process; the time that is left is for so many."""
-        nonlocal used
-        seconds = min(2 * request["cpu_seconds"], (request["seconds"] - used) / left)
+        limit = (self.request["seconds"] - self.used) / left
+        seconds = min(2 * self.request["cpu_seconds"], limit)
         if seconds <= 0:
             return {"failed": "the time limit for the whole file is used up"}
-        result = do_apart(partial(_confined, work, request), seconds)
-        used += result.pop("seconds", 0.0)
+        result = do_apart(partial(_confined, work, self.request), seconds)
+        self.used += result.pop("seconds", 0.0)
         confinement.end_children()  # such as a process that left the group which do_apart kills
         return result
 
-    def names() -> dict:
-        functions, problems = submission.run(given, {})
-        return {"defined": [n for n in wanted.values() if n in functions], "problems": problems}
+    def _names(self) -> dict:
+        functions, problems = self.submission.run(self.given, {})
+        wanted = self.request["wanted"].values()
+        return {"defined": [name for name in wanted if name in functions], "problems": problems}
 
-    def tested(name: str, function: str) -> dict:
-        functions, _ = submission.run(given, instead)
-        any_convention = request["any_convention"]
-        return report(catalogue[name], functions[function], any_convention, function).as_json()
+    def _function(self, name: str) -> Callable:
+        functions, _ = self.submission.run(self.given, self.instead)
+        return functions[self.request["wanted"][name]]
 
-    def alone(name: str, function: str, number: int, sizes: list, seed: int) -> dict:
-        functions, _ = submission.run(given, instead)
-        stated, case = catalogue[name].properties[number], Case(tuple(map(tuple, sizes)), seed)
-        return {"right": failure(stated, functions[function], case) is None}
+    def _tested(self, name: str) -> dict:
+        function = self._function(name)
+        return reply_of(*tested(self.catalogue[name], function, self.request["any_convention"]))
 
-    loaded = apart(names, 1)
-    present = [name for name, function in wanted.items() if function in loaded.get("defined", ())]
-    results, instead = {}, {}
-    for name, function in wanted.items():
-        if name in present:
-            left = len(present) - len(results)
-            results[name] = apart(partial(tested, name, function), left)
-            with suppress(LookupError, TypeError, AttributeError):  # a file may write its own reply
-                for number, one in enumerate(results[name].get("properties", ())):
-                    again = one["case"] and partial(alone, name, function, number, *one["case"])
-                    if again and apart(again, left).get("right"):
-                        one["problem"] += RIGHT_ALONE
-        if name in request["replaced"] and not results.get(name, {}).get("held"):
-            instead[function] = catalogue[name].solution
-    return {"failed": "", "problems": [], **loaded, "results": results}
+    def _is_right(self, name: str, number: int, sizes: list, seed: int) -> dict:
+        stated = self.catalogue[name].properties[number]
+        case = Case(tuple(map(tuple, sizes)), seed)
+        return {"right": failure(stated, self._function(name), case) is None}
+
+    def _try_alone(self, name: str, outcomes: list[dict], left: int) -> None:
+        """Try each counterexample once more, in a fresh process; say so where it is right."""
+        for number, one in enumerate(outcomes):
+            if one["case"]:
+                again = self.apart(partial(self._is_right, name, number, *one["case"]), left)
+                if again.get("right"):
+                    one["problem"] += RIGHT_ALONE
 
 
 def do_apart(work: Callable[[], dict], seconds: float) -> dict:
@@ -102,7 +127,8 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
     threads = Path("/proc/self/task")
     if threads.is_dir() and len(list(threads.iterdir())) > 1:
         return {"failed": SEVERAL_THREADS}  # a lock of another thread would stay closed for ever
-    reply, process = Path(secrets.token_hex(16)).absolute(), os.fork()
+    reply = Path(secrets.token_hex(16)).absolute()
+    process = os.fork()
     if process == 0:
         try:
             os.setsid()
@@ -110,18 +136,10 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
             reply.write_text(json.dumps(work()))
         finally:
             os._exit(0)
-    begun, taken, ended, status, fault = time.monotonic(), 0.0, 0, 0, ""
-    while not ended and not fault:
-        time.sleep(0.005)
-        taken = time.monotonic() - begun - _waited(process)
-        ended, status = os.waitpid(process, os.WNOHANG)
-        if taken > seconds:
-            fault = f"it did not finish within {seconds:.3g} s: an endless loop?"
-        elif _written(reply.parent) > MOST_WRITTEN:
-            fault = f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
+    taken, status, fault = _wait(process, seconds, reply.parent)
     with suppress(OSError):
         os.killpg(process, signal.SIGKILL)
-    if not ended:
+    if fault:
         os.waitpid(process, 0)
         return {"failed": fault, "seconds": taken}
     try:
@@ -130,6 +148,21 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
         out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
         reason = "it used up its CPU time: an endless loop?" if out_of_time else CRASHED
         return {"failed": reason, "seconds": taken}
+
+
+def _wait(process: int, seconds: float, folder: Path) -> tuple[float, int, str]:
+    """Wait for a process: the seconds it took, its status, and why it has to be ended, or ""."""
+    begun = time.monotonic()
+    while True:
+        time.sleep(0.005)
+        taken = time.monotonic() - begun - _waited(process)
+        ended, status = os.waitpid(process, os.WNOHANG)
+        if ended:
+            return taken, status, ""
+        if taken > seconds:
+            return taken, 0, f"it did not finish within {seconds:.3g} s: an endless loop?"
+        if _written(folder) > MOST_WRITTEN:
+            return taken, 0, f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
 
 
 def _waited(process: int) -> float:

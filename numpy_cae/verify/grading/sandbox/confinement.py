@@ -16,9 +16,11 @@ except ImportError:  # Windows, where a process has no such limits
     resource = None
 
 LARGEST_WRITTEN_FILE = 2**24
+"""LARGEST_WRITTEN_FILE: a process may write at most so many bytes to one file."""
 OPEN_FILES = 64
-"""OPEN_FILES: files that were removed but are open take space that no folder shows."""
-PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
+"""OPEN_FILES: a process may have so many files open: removed ones take space that is not seen."""
+PR_SET_PDEATHSIG = 1
+PR_SET_CHILD_SUBREAPER = 36
 SHARED = ("sys", "warnings")
 """Modules that the interpreter itself looks into; a copy would change nothing."""
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND

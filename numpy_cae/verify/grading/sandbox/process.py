@@ -12,10 +12,13 @@ from pathlib import Path
 from numpy_cae.atomic_write import has_ended
 
 STARTUP_SECONDS = 30.0
+"""STARTUP_SECONDS: the grader's process may take this time (s) to import its modules."""
 BUSY = 10
-"""BUSY: the grader itself is ended after so many times the limit. The limits that decide on marks
-do not count the time in which a process waits for a processor; this one is for a grader that a
-student's file has stopped."""
+"""BUSY: the grader itself is ended after so many times the limit of the file.
+
+The limits that decide on marks do not count the time in which a process waits for a processor. This
+one is for a grader that a student's file has stopped.
+"""
 FOLDER = "numpy_cae_grading_"
 PROJECT = str(Path(__file__).parents[4])
 KEPT = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")

@@ -1,0 +1,47 @@
+"""What a check raises: an error whose message is for people, and whose fields are for programs."""
+
+import traceback
+
+import numpy as np
+
+NUMBER = "number"
+SHAPE = "shape"
+TYPE = "type"
+COUNT = "count"
+DTYPE = "dtype"
+ALTERED = "altered"
+NOT_FINITE = "not finite"
+SLOPE = "slope"
+KINK = "kink"
+REPEATED = "repeated"
+STATE = "state"
+
+
+class Mismatch(AssertionError):
+    """A result that is not as expected: `kind` is one of the constants above.
+
+    `subject` is what differs, such as "the gradient for x"; `result` and `expected` are the arrays,
+    where there are any.
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        subject: str,
+        message: str,
+        result: np.ndarray | None = None,
+        expected: np.ndarray | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.kind = kind
+        self.subject = subject
+        self.result = result
+        self.expected = expected
+
+
+def what_failed(error: BaseException) -> tuple[str, str]:
+    """The kind and the subject of a mismatch; of another assertion its type and its line."""
+    if isinstance(error, Mismatch):
+        return error.kind, error.subject
+    frames = traceback.extract_tb(error.__traceback__) if type(error) is AssertionError else []
+    return type(error).__name__, "".join(f"line {frame.lineno}" for frame in frames[-1:])

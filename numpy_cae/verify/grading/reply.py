@@ -1,0 +1,46 @@
+"""The reply of the process that tests one function: outcomes as JSON, and outcomes again."""
+
+from collections.abc import Sequence
+
+from numpy_cae.verify.grading.report import Report, readable
+from numpy_cae.verify.operations.catalogue import Exercise, in_other_conventions
+from numpy_cae.verify.operations.property import Outcome
+
+TEXTS = ("problem", "counterexample", "mistake", "kind", "subject")
+
+
+def reply_of(followed: Exercise, outcomes: Sequence[Outcome]) -> dict:
+    """The outcomes in plain dicts, lists and texts, and the warnings of the function."""
+    return {
+        "convention": followed.convention,
+        "outcomes": [
+            {
+                "held": outcome.held,
+                "case": outcome.case and [outcome.case.sizes, outcome.case.seed],
+                **{name: getattr(outcome, name) for name in TEXTS},
+            }
+            for outcome in outcomes
+        ],
+        "notes": list(dict.fromkeys(note for outcome in outcomes for note in outcome.notes)),
+    }
+
+
+def report_of(exercise: Exercise, called: str, reply: dict) -> Report:
+    """The report from a reply of `reply_of`, or one that says why there is no such reply.
+
+    Names, statements and points are not taken from the reply.
+    """
+    try:
+        problem = readable(reply.get("failed", ""))
+        if not problem:
+            every = (exercise, *in_other_conventions(exercise))
+            (followed,) = (one for one in every if one.convention == reply["convention"])
+            both = zip(followed.properties, reply["outcomes"], strict=True)
+            outcomes = (
+                Outcome(stated, one["held"] is True, *(readable(one[name]) for name in TEXTS))
+                for stated, one in both
+            )
+            return Report(followed, called, tuple(outcomes))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        problem = f"its process sent no reply: {error}"
+    return Report(exercise, called, tuple(Outcome(p, False, problem) for p in exercise.properties))

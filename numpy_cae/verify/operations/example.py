@@ -1,0 +1,85 @@
+"""`example`: the arguments of a counterexample, which a report prints as a call."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from numpy_cae.verify.operations.case import ORDINARY, Case
+from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
+from numpy_cae.verify.operations.property import Property, right_results
+
+
+@dataclass(frozen=True)
+class Example:
+    """The arguments of a case and, for an operation, the right results."""
+
+    arguments: dict[str, object]
+    upstream: np.ndarray | float | None = None
+    value: np.ndarray | float | None = None
+    gradients: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+def example(name: str | Exercise, seed: int, **sizes: int | str) -> Example:
+    """The arguments of a counterexample: a report prints the call of this function.
+
+    Parameters
+    ----------
+    name : str or Exercise
+        An operation of `numpy_cae.ops`, "tied_layer", or an exercise.
+    seed : int
+    **sizes : int or str
+        The sizes of the arrays, such as frames=2, and classes such as values="ties".
+
+    Returns
+    -------
+    Example
+        With `arguments` by name and, for an operation, the `upstream` gradient and the `value` and
+        `gradients` of the definition.
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation, or a size is missing or unknown.
+
+    Examples
+    --------
+    >>> from numpy_cae import verify
+    >>> case = verify.example("max_pool", seed=0, batch=1, frames=2, channels=1, values="ties")
+    >>> case.arguments["x"].ravel().tolist(), case.value.ravel().tolist()
+    ([2.0, 1.0], [2.0])
+    """
+    exercise = find_exercise(name)
+    first = exercise.properties[0]
+    case = _case_of(exercise.properties, seed, sizes)
+    arguments = first.arguments(case)
+    operation = first.definition
+    if operation is None:
+        return Example(arguments)
+    dy, right = right_results(operation, case, arguments)
+    value, *gradients = right.values()
+    named = dict(zip(operation.differentiated, gradients, strict=True))
+    return Example(arguments, dy, value, named)
+
+
+def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
+    """A case of an operation's properties; a ValueError if a size is missing or unknown."""
+    allowed: dict[str, list] = {}
+    for stated in properties:
+        for name, options in stated.sizes.items():
+            allowed.setdefault(name, []).extend(options)
+    needed = {name for name, options in allowed.items() if ORDINARY not in options}
+    if not needed <= set(sizes) <= set(allowed):
+        names = ", ".join(allowed)
+        raise ValueError(f"{properties[0].operation} has the sizes {names}, got {', '.join(sizes)}")
+    for name, size in sizes.items():
+        if isinstance(size, str) and size not in allowed[name]:
+            options = ", ".join(dict.fromkeys(map(str, allowed[name])))
+            raise ValueError(f"{name} is {size!r}, expected one of {options}")
+    return Case(tuple(sizes.items()), seed)
+
+
+def example_call(name: str, case: Case) -> str:
+    """The call of `verify.example` that returns a case."""
+    sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
+    return f'example("{name}", {sizes}, seed={case.seed})'
