@@ -1,57 +1,83 @@
 """A plugin of pytest: a function with `verify.operation_test` is a test for each of its properties.
 
-pytest imports this module wherever numpy_cae is installed, so it imports nothing but pytest.
+pytest imports this module wherever numpy_cae is installed. So it imports nothing but pytest, looks
+at plain functions only, and leaves alone what `operation_test` has not marked. pytest does the
+rest: fixtures, `parametrize` and other marks, methods and static methods work as in any test.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import inspect
+from types import FunctionType
 
 import pytest
 
-
-class OperationTests(pytest.Collector):
-    """An operation of a test file."""
-
-    def __init__(self, function, **options) -> None:
-        super().__init__(**options)
-        self.function = function
-        self.own_markers.extend(getattr(function, "pytestmark", []))
-
-    def collect(self) -> Iterator[pytest.Item]:
-        """One test for each property."""
-        for stated in self.function.operation_test:
-            yield PropertyTest.from_parent(self, name=stated.name, stated=stated)
+PROPERTY = "operation_property"
+"""PROPERTY: the name of the parameter of a test that stands for its property."""
 
 
-class PropertyTest(pytest.Item):
-    """The test of one property."""
-
-    def __init__(self, stated, **options) -> None:
-        super().__init__(**options)
-        self.stated = stated
-
-    def runtest(self) -> None:
-        """Try the property on random cases, the same in every run."""
-        from numpy_cae.verify import check_property
-
-        check_property(self.stated, self.parent.function)
-
-    def repr_failure(self, excinfo, style=None):
-        """What is wrong, and the counterexample; the lines of numpy_cae would not help."""
-        if excinfo.errisinstance(AssertionError):
-            return str(excinfo.value)
-        return super().repr_failure(excinfo, style)
-
-    def reportinfo(self):
-        """The file and the line of the operation, and the name of the test."""
-        function = self.parent.function
-        line = getattr(function, "__code__", None) and function.__code__.co_firstlineno - 1
-        return self.path, line, f"{self.parent.name}: {self.name}"
+def pytest_pycollect_makeitem(collector, name: str, obj: object) -> None:
+    """Give a marked function the parameters that pytest fills: its fixtures, and its property."""
+    function = obj.__func__ if type(obj) in (staticmethod, classmethod) else obj
+    if not _is_marked(function) or PROPERTY in inspect.signature(function).parameters:
+        return
+    if type(obj) is classmethod or inspect.iscoroutinefunction(function):
+        kind = "class method" if type(obj) is classmethod else "coroutine"
+        raise collector.CollectError(f"{name}: operation_test needs a function, not a {kind}")
+    parameters = list(inspect.signature(function).parameters.values())
+    is_method = isinstance(collector, pytest.Class) and type(obj) is not staticmethod
+    after = is_method + len(function.operation_arrays)  # self and the arrays
+    if _takes_arrays_by_name(function):
+        kept = [each for each in parameters if each.name not in function.operation_arrays]
+    else:
+        kept = parameters[:is_method] + parameters[after:]
+    fixtures = [p for p in kept if p.default is p.empty and p.kind == p.POSITIONAL_OR_KEYWORD]
+    stated = inspect.Parameter(PROPERTY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    function.__signature__ = inspect.Signature([*fixtures, stated])
 
 
-def pytest_pycollect_makeitem(collector, name: str, obj: object) -> OperationTests | None:
-    """Collect the functions that `verify.operation_test` has marked."""
-    if "operation_test" not in getattr(obj, "__dict__", {}) or not callable(obj):
+def pytest_generate_tests(metafunc) -> None:
+    """Make a test of each property."""
+    if _is_marked(metafunc.function):
+        every = metafunc.function.operation_test
+        cases = [pytest.param(each, id=each.name, marks=each.marks) for each in every]
+        metafunc.parametrize(PROPERTY, cases)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem) -> bool | None:
+    """Try the property on random cases, the same in every run."""
+    function = pyfuncitem.function
+    if not _is_marked(function):
         return None
-    return OperationTests.from_parent(collector, name=name, function=obj)
+    from numpy_cae.verify import check_property
+
+    names = [name for name in inspect.signature(function).parameters if name != "self"]
+    fixtures = {name: pyfuncitem.funcargs[name] for name in names}
+    stated = fixtures.pop(PROPERTY)
+
+    def operation(*arrays):
+        if _takes_arrays_by_name(function):
+            named = dict(zip(function.operation_arrays, arrays, strict=True))
+            return pyfuncitem.obj(**named, **fixtures)
+        return pyfuncitem.obj(*arrays, **fixtures)
+
+    operation.__wrapped__ = function
+    operation.__name__ = function.__name__
+    problem = ""
+    try:
+        check_property(stated, operation)
+    except AssertionError as error:
+        problem = str(error)
+    if problem:  # without a traceback: the lines of numpy_cae would not help
+        pytest.fail(problem, pytrace=False)
+    return True
+
+
+def _is_marked(function: object) -> bool:
+    return type(function) is FunctionType and "operation_test" in vars(function)
+
+
+def _takes_arrays_by_name(function: FunctionType) -> bool:
+    names = function.__code__.co_varnames[: function.__code__.co_argcount]
+    return set(function.operation_arrays) <= set(names)

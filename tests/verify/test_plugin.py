@@ -184,7 +184,7 @@ def test_the_page_for_ones_own_layer_and_its_adapters_in_a_project_of_its_own(tm
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     text = ran.stdout
     assert "1 failed, 27 passed, 6 skipped" in text, text + ran.stderr
-    assert "FAILED test_project.py::test_cube::gradient for scale" in text
+    assert "FAILED test_project.py::test_cube[gradient for scale]" in text
     assert "RuntimeWarning: note: RuntimeWarning: overflow encountered in exp (line " in text
     named = re.findall(r"^(test_my_layer.py::.*)$", PAGE, re.MULTILINE)
     assert len(named) == 8 and all(f"PASSED {name}" in text for name in named)

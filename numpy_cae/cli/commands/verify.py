@@ -74,11 +74,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    from numpy_cae.course.marks.handed_in import find_files
+    from numpy_cae.course.marks.handed_in import SUFFIXES, find_files
 
     with tempfile.TemporaryDirectory() as unpacked:
         files = [each for path in args.files for each in find_files(path, Path(unpacked))]
-        if not any(each.fault or each.path.is_file() for each in files):
+        if not any(
+            each.fault or (each.path.is_file() and each.path.suffix in SUFFIXES) for each in files
+        ):
             missing = [path for path in args.files if not path.exists()]
             problem = "there is no such file" if missing else "no Python file and no notebook"
             raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")

@@ -12,6 +12,8 @@ remainder of Taylor's expansion decides without any tolerance: with the number g
     |L(x + h v) - L(x) - h g|  falls as h² if g is the slope, and as h if it is not,
 
 as long as rounding does not hide the remainder. Where it does, the most certain slope counts.
+Before a number is called wrong, slopes at neighbouring steps are measured, too: if these scatter as
+much as the number is off, it is undecided.
 """
 
 from collections.abc import Callable
@@ -23,18 +25,27 @@ from numpy_cae.verify.checks.mismatch import KINK
 
 SMALLER = (1 / 8, 1 / 64, 1 / 512)
 LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
+"""SMALLER, LARGER: further steps are so many times the first one."""
+NEIGHBOURS = (0.8, 0.9, 1.1, 1.25)
+"""NEIGHBOURS: a wrong number is confirmed at so many times the step of the most certain slope."""
+SCATTER_MARGIN = 4
+"""SCATTER_MARGIN: a number is wrong only if it is off by so many times their scatter."""
 ROUNDING_MARGIN = 32
+"""ROUNDING_MARGIN: rounding is taken to be at most so many times that of the outputs."""
 RATE_MARGIN = 0.1
-"""A remainder that falls with a power of the step in this distance of 1 or of 2 decides."""
+"""RATE_MARGIN: a remainder decides if the power with which it falls is so near to 1 or to 2."""
 ABOVE_NOISE = 4
-"""The remainder has to be so many times as large as rounding."""
-
+"""ABOVE_NOISE: the remainder counts where it is at least so many times as large as rounding."""
+SINGLE = float(np.finfo(np.float32).eps)
+SINGLE_TOLERANCE = 1e-4
+"""SINGLE_TOLERANCE: the relative tolerance is at least this where f computes in float32."""
 NEGLIGIBLE = 1e-10
-"""NEGLIGIBLE: beside a gradient of 0, to rounding, a slope of so small a part of the largest may be
-the rounding of terms that cancel, as in a convolution by Fourier matrices."""
+"""NEGLIGIBLE: where a gradient is 0 to rounding, a slope of at most so large a part of the largest
+one may be the rounding of terms that cancel, as in a convolution by Fourier matrices."""
 
 AGREES = "agrees"
 WRONG = "wrong"
+UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
@@ -80,8 +91,39 @@ class Argument:
         The tolerance is relative to the larger of both numbers; where rounding hides the remainder,
         also to what all entries contribute to the slope.
         """
+        verdict = self._judged(direction)
+        if verdict.kind == WRONG and self.epsilon < SINGLE and self._is_computed_in_float32():
+            tolerance = max(self.tolerance, SINGLE_TOLERANCE)
+            return replace(self, epsilon=SINGLE, tolerance=tolerance)._judged(direction)
+        return verdict
+
+    def _judged(self, direction: np.ndarray) -> Verdict:
         analytic = float(np.sum(self.gradient * direction))
-        first, along = np.cbrt(self.epsilon), self.x[direction != 0]
+        slopes, confirmed = self._measured(direction, analytic)
+        if not slopes:
+            return Verdict(KINK, np.nan, analytic)
+        if confirmed:
+            return Verdict(AGREES, slopes[-1].central, analytic)
+        change = abs(analytic) * max(slope.step for slope in slopes)
+        rounded_away = ROUNDING_MARGIN * self.epsilon * np.sum(np.abs(self.dy * self.here))
+        if not any(slope.moved for slope in slopes) and change <= rounded_away:
+            return Verdict(AGREES, 0.0, analytic)
+        verdict, best = _verdict(slopes, analytic, self.tolerance)
+        largest = np.max(np.abs(self.gradient) * step_scale(self.x), initial=0.0)
+        is_zero = abs(analytic) <= 64 * self.epsilon * largest
+        if is_zero and abs(verdict.numeric - analytic) <= NEGLIGIBLE * largest:
+            return replace(verdict, kind=AGREES)
+        if verdict.kind == WRONG:
+            return replace(verdict, kind=self._confirmed(direction, verdict, best))
+        return verdict
+
+    def _measured(self, direction: np.ndarray, analytic: float) -> tuple[list[Slope], bool]:
+        """Slopes at smaller and, where these do not decide, at larger steps.
+
+        Also whether the last one confirms the pullback's number, which ends the search.
+        """
+        first = np.cbrt(self.epsilon)
+        along = self.x[direction != 0]
         nearest = np.min(np.abs(along / direction[direction != 0]), initial=1.0)  # entry to zero
         smaller = [*SMALLER, *((nearest, nearest / 8) if 0 < nearest < SMALLER[-1] else ())]
         depend = np.zeros(self.here.shape, dtype=bool)  # the outputs that have changed so far
@@ -92,27 +134,39 @@ class Argument:
             if not np.isfinite([slope.central, slope.noise]).all():  # x + h is beyond f's domain
                 continue
             larger = max(abs(slope.central), abs(analytic))
-            gap, before = abs(slope.central - analytic), [abs(s.central - analytic) for s in slopes]
-            small = min(16 * first * max(larger, slope.size), *[g / 8 for g in before], np.inf)
-            conclusive = slope.noise <= small
-            if conclusive and gap <= self.tolerance * larger + slope.noise:
-                return Verdict(AGREES, slope.central, analytic)
-            if not slopes and not (slope.moved and conclusive):
-                todo += LARGER
+            gap = abs(slope.central - analytic)
+            eighths = [abs(before.central - analytic) / 8 for before in slopes]
+            small = min(16 * first * max(larger, slope.size), *eighths, np.inf)
+            is_conclusive = slope.noise <= small
             slopes.append(slope)
+            if is_conclusive and gap <= self.tolerance * larger + slope.noise:
+                return slopes, True
+            if len(slopes) == 1 and not (slope.moved and is_conclusive):
+                todo += LARGER
             if not todo and len(slopes) == 1 + len(smaller) and len(_rates(slopes[::-1])) < 2:
                 todo += LARGER[:2]
-        if not slopes:
-            return Verdict(KINK, np.nan, analytic)
-        change = abs(analytic) * max(slope.step for slope in slopes)
-        rounded_away = ROUNDING_MARGIN * self.epsilon * np.sum(np.abs(self.dy * self.here))
-        if not any(slope.moved for slope in slopes) and change <= rounded_away:
-            return Verdict(AGREES, 0.0, analytic)
-        verdict = _verdict(slopes, analytic, self.tolerance)
-        largest = np.max(np.abs(self.gradient) * step_scale(self.x), initial=0.0)
-        is_zero = abs(analytic) <= 64 * self.epsilon * largest
-        is_rounding = is_zero and abs(verdict.numeric - analytic) <= NEGLIGIBLE * largest
-        return replace(verdict, kind=AGREES) if is_rounding else verdict
+        return slopes, False
+
+    def _is_computed_in_float32(self) -> bool:
+        """Whether f gives the same for x as for x rounded to float32, as with a float32 buffer."""
+        rounded = self.x.astype(np.float32).astype(np.float64)
+        change = np.sum(np.abs(self.gradient * (rounded - self.x)))
+        rounding = ROUNDING_MARGIN * self.epsilon * np.sum(np.abs(self.dy * self.here))
+        return bool(change > rounding) and np.array_equal(self.f(rounded), self.here)
+
+    def _confirmed(self, direction: np.ndarray, verdict: Verdict, best: Slope) -> str:
+        """WRONG, or UNDECIDED where slopes at neighbouring steps scatter as much as they are off.
+
+        The scatter contains rounding within f, which no output shows where large terms cancel.
+        """
+        none = np.zeros(self.here.shape, dtype=bool)
+        steps = [best.step * factor for factor in NEIGHBOURS]
+        found = [self._slope(direction, step, verdict.analytic, none).central for step in steps]
+        scatter = np.ptp([*found, best.central])
+        larger = max(abs(verdict.numeric), abs(verdict.analytic))
+        off = min(abs(slope - verdict.analytic) for slope in (*found, verdict.numeric))
+        is_wrong = off > self.tolerance * larger + SCATTER_MARGIN * scatter
+        return WRONG if is_wrong else UNDECIDED
 
     def _slope(
         self, direction: np.ndarray, step: float, analytic: float, depend: np.ndarray
@@ -151,32 +205,36 @@ def step_scale(x: np.ndarray) -> np.ndarray:
     return np.maximum(magnitude, typical)
 
 
-def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> Verdict:
-    """The verdict on a number that no slope confirmed at once."""
+def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Verdict, Slope]:
+    """The verdict on a number that no slope confirmed at once, and the most certain slope."""
     moved = [slope for slope in slopes if slope.moved]
     slopes = sorted(moved or slopes, key=lambda slope: slope.step)
     neighbours = zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
     errors = [one.noise + abs(one.central - other.central) for one, other in neighbours]
     best = slopes[int(np.argmin(errors))]
     error = min(errors)
-    numeric = best.central
-    rates = _rates(slopes)
-    gap = abs(numeric - analytic)
-    larger = max(abs(numeric), abs(analytic))
-    allowed = tolerance * max(larger, best.size) + error
+    gap = abs(best.central - analytic)
+    tolerated = tolerance * max(abs(best.central), abs(analytic))
+    allowed = max(tolerated, tolerance * best.size) + error
     smallest = slopes[0]
-    corner = smallest.jump > max(slopes[-1].jump / 2, smallest.noise, allowed)
-    is_first_order = len(rates) > 1 and max(abs(rate - 1) for rate in rates[-2:]) < RATE_MARGIN
-    is_second_order = len(rates) > 1 and min(rates[-2:]) > 2 - RATE_MARGIN
-    hidden = RATE_MARGIN * slopes[-1 - len(rates)].remainder / slopes[-1 - len(rates)].step
-    if corner and abs(smallest.central - analytic) <= smallest.jump / 2 + allowed:
+    rates = _rates(slopes)
+    last = rates[-2:] if len(rates) > 1 else ()
+    falls_with_step = bool(last) and max(abs(rate - 1) for rate in last) < RATE_MARGIN
+    falls_with_square = bool(last) and min(last) > 2 - RATE_MARGIN
+    first_hidden = slopes[-1 - len(rates)]
+    is_corner = smallest.jump > max(slopes[-1].jump / 2, smallest.noise, allowed)
+    if is_corner and abs(smallest.central - analytic) <= smallest.jump / 2 + allowed:
         kind = AGREES if gap <= allowed else KINK
-    elif is_first_order and gap > tolerance * larger + error:
+    elif falls_with_step and gap > tolerated + error:
         kind = WRONG
+    elif (
+        falls_with_square and RATE_MARGIN * first_hidden.remainder <= tolerated * first_hidden.step
+    ):
+        kind = AGREES
     else:
-        is_right = is_second_order and hidden <= tolerance * larger
-        kind = AGREES if is_right or gap <= allowed else WRONG
-    return Verdict(kind, numeric, analytic, smallest.jump, rates)
+        kind = AGREES if gap <= allowed else WRONG
+    proof = rates if falls_with_step else ()
+    return Verdict(kind, best.central, analytic, smallest.jump, proof), best
 
 
 def _rates(slopes: list[Slope]) -> tuple[float, ...]:

@@ -14,7 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts
-from numpy_cae.verify.checks.differences import WRONG, Argument, Verdict, step_scale
+from numpy_cae.verify.checks.differences import (
+    SINGLE_TOLERANCE,
+    WRONG,
+    Argument,
+    Verdict,
+    step_scale,
+)
 from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, is_array, rebuilt
 from numpy_cae.verify.checks.mismatch import (
     ALTERED,
@@ -33,8 +39,6 @@ DIRECTIONS = 4
 """DIRECTIONS: a larger array is checked along so many random directions for each size of entry."""
 KINKS_EXCUSED = 0.05
 """KINKS_EXCUSED: kinks are excused in at most this share of the entries."""
-SINGLE_TOLERANCE = 1e-4
-"""SINGLE_TOLERANCE: the relative tolerance is at least this if an argument is float32."""
 AGAIN = (
     "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
     "gradients: it is not linear, or keeps something between calls"

@@ -157,12 +157,8 @@ def _graded(
     reply: dict,
 ) -> FileReport:
     """The report from the reply of `run`; `counted` are the exercises that count in any case."""
-<<<<<<< HEAD
     graded = FileReport(submission.path, copied=submission.copied)
     graded.notes += [COPIED.format(name) for name in submission.copied]
-=======
-    graded = FileReport(submission.path)
->>>>>>> 235717b (verify: what failed is a field of a Mismatch, no text is parsed; outcomes become JSON once; long functions are divided)
     results = reply.get("results", {})
     problems = reply.get("problems", [])
     fault = reply["failed"]

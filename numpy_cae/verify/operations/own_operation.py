@@ -143,6 +143,7 @@ def operation_test(
 
     def with_properties(f: Callable) -> Callable:
         f.operation_test = properties_of(f, shapes, definition, **options)  # type: ignore[attr-defined]
+        f.operation_arrays = tuple(shapes)  # type: ignore[attr-defined]
         return f
 
     return with_properties

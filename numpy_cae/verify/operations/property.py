@@ -85,6 +85,7 @@ class Property:
     is_form: bool = False  # functions without the right value may have it, too
     is_gradient: bool = False
     subject: str = ""  # what it is about, as mismatches name it, such as "the gradient for x"
+    marks: tuple = ()  # of pytest
     watches_state: bool = False  # whether global state is compared, too
 
     def cases(self) -> list[Case]:
