@@ -22,7 +22,6 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.mocap.retarget.to_rig import retarget
-from numpy_cae.models.linear_denoiser import TAPS, contexts
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.key_curves import ROTATION_CURVES, Curve
@@ -33,6 +32,7 @@ from numpy_cae.repair.interpolated import missing_joints
 from numpy_cae.repair.rotation_curves import on_curves
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 from studies.shared.damages import DAMAGES, stretch
+from studies.shared.linear_denoiser import TAPS, contexts
 from studies.shared.material import LabelledTake, Material, evenly, features_of
 from studies.shared.result import Claim, Picture, Result, Table
 

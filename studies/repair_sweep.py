@@ -17,11 +17,11 @@ from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import project_shifted
-from numpy_cae.models.linear_denoiser import Moments
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, Curve, curves_figure
 from studies.shared.clips import AVERAGED, NETWORK, REPEATED, Split, project_repeated, split_of
 from studies.shared.interpolate_linearly import interpolate_linearly
+from studies.shared.linear_denoiser import Moments
 from studies.shared.material import Material
 from studies.shared.result import Claim, Picture, Result, Table
 

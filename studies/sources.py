@@ -4,17 +4,16 @@ A source is a folder: one capture system, one rig, one set of people. The networ
 and PCA learn from the same takes of the other sources. Each value of the left-out windows is set to
 zero with probability 1/2, as in `numpy_cae.evaluation.half_removed`.
 
-Manifolds are those of recipe fast, averaged over all shifts of the pooling grid. Where values are
-removed, a manifold is a mean of its network and a linear map, whose weight each window gives
-(`numpy_cae.manifold.mixture`). For PCA the number of axes with the smallest error of repair on the
-test takes is shown, which favours PCA. The linear map is fitted for p = 0.5; its reconstruction is
-that of the undamaged windows times 1 - p, the mean of what it is given.
+Manifolds are those of recipe fast, averaged over all shifts of the pooling grid, and given the
+zeros as they are, but for the rows that begin with "mask:", which are given what is missing. For
+PCA the number of axes with the smallest error of repair on the test takes is shown, which favours
+PCA. The linear map is fitted for p = 0.5; its reconstruction is that of the undamaged windows times
+1 - p, the mean of what it is given.
 
     python -m studies sources --data bandai cmu/asfamc motions
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,16 +21,16 @@ import numpy as np
 from numpy_cae.cli.shared.takes import each_usable
 from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.clips import clips_of
-from numpy_cae.evaluation.half_removed import PCA_WINDOWS, P
+from numpy_cae.evaluation.half_removed import PCA_WINDOWS, P, mask_given
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.mocap import load_body
-from numpy_cae.models.linear_denoiser import Moments
 from numpy_cae.training import recipe, zero_values
+from studies.shared.linear_denoiser import Moments
 from studies.shared.result import Claim, Result, Table
 
 RECIPE = "fast"
-MIXTURE, NETWORK, LINEAR = "manifold", "its network alone", "linear map of 15 frames"
+NETWORK, LINEAR = "network", "linear map of 15 frames"
 PRINCIPAL = "PCA on windows, divided by 1 - p"
 HEADER = ("left out", "method", "reconstruction, cm", "half of the values removed, cm")
 Errors = dict[str, tuple[float, float]]
@@ -69,19 +68,18 @@ def errors_on(
     pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
     divided = damaged / (1 - zeroed_fraction(damaged))
     size = min(pca.sizes, key=lambda size: test.error(pca.project(divided, size)))
-    alone = replace(manifold, linear=None)
     repaired = {
-        MIXTURE: [manifold.project_windows(x, True) for x in (test.x, damaged)],
-        NETWORK: [alone.project_windows(x, True) for x in (test.x, damaged)],
+        NETWORK: [manifold.project_windows(x, True) for x in (test.x, damaged)],
         LINEAR: (linear.repair((1 - P) * test.x), linear.repair(damaged)),
         PRINCIPAL: (pca.project(test.x, size), pca.project(divided, size)),
     }
+    repaired |= {name: (test.x, x) for name, x in mask_given(manifold, damaged)}
     return {name: (test.error(x), test.error(y)) for name, (x, y) in repaired.items()}
 
 
 def _claim(name: str, errors: Errors) -> Claim:
     """Whether the manifold is better than both linear methods on one source."""
-    (reconstruction, repair), (_, linear) = errors[MIXTURE], errors[LINEAR]
+    (reconstruction, repair), (_, linear) = errors[NETWORK], errors[LINEAR]
     pca = errors[PRINCIPAL]
     better = repair < min(linear, pca[1]) and reconstruction < pca[0]
     figures = f"repair {repair:.2f} cm, linear map {linear:.2f}, PCA {pca[1]:.2f}; reconstruction "

@@ -6,11 +6,9 @@ from dataclasses import asdict
 import numpy as np
 
 from numpy_cae.manifold.augmentation import mirrored
-from numpy_cae.manifold.mixture import KEPT
 from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.models.linear_denoiser import LinearDenoiser, Moments
 from numpy_cae.motion.angles import AngleSequence
 from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY
@@ -34,8 +32,6 @@ jang2018 states none of them (docs/lab_book/sequence_claims.md)."""
 CLIP_STEP, MOST_CLIPS = 5, 4000
 """CLIP_STEP: the mean and deviation are computed from clips that start this many frames apart, or
 further apart where there would be more than MOST_CLIPS of them, to bound memory."""
-MOST_WINDOWS = 400
-"""MOST_WINDOWS: the linear map of a manifold is fitted to at most this many windows."""
 
 
 def learn_manifold(
@@ -118,10 +114,6 @@ def learn_manifold(
     manifold.rescales = schedule.fine_tuning.rescaled
     windows = _windows(manifold, features, overlap)
     del features, frames
-    if manifold.rescales:
-        fitted = windows[:: -(-len(windows) // MOST_WINDOWS)]
-        moments = Moments.of(fitted, np.ones(fitted.shape[:2], dtype=bool))
-        manifold.linear = LinearDenoiser(moments.solve(KEPT).weights.astype(windows.dtype))
     history = train_autoencoder(network, windows, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import dataclass, field, replace
-from functools import partial
 from hashlib import blake2b
 from itertools import pairwise
 from pathlib import Path
@@ -13,7 +12,6 @@ import numpy as np
 from numpy_cae.array_file import save_arrays
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.complete import completed, interpolated
-from numpy_cae.manifold.mixture import Project, mixture
 from numpy_cae.manifold.model_arrays import (
     MAX_FRAMES,
     MAX_LENGTH,
@@ -25,7 +23,6 @@ from numpy_cae.manifold.model_arrays import (
 )
 from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.models.linear_denoiser import TAPS, LinearDenoiser
 from numpy_cae.motion.features import FEATURES, RootTransform, positions_to_features
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
@@ -73,9 +70,6 @@ class MotionManifold:
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
         Whether the network was trained on X_c / (1 - p): see `training.step`.
-    linear : LinearDenoiser, optional
-        A linear map fitted to the same windows, of which `mixture` makes a mean with the network's
-        projection where values were removed. Without it the network projects alone.
 
     Examples
     --------
@@ -97,7 +91,6 @@ class MotionManifold:
     settings: dict = field(default_factory=dict)
     rescales: bool = False
     window: int = LENGTH
-    linear: LinearDenoiser | None = None
     _pieces: dict[bytes, np.ndarray] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
@@ -160,7 +153,6 @@ class MotionManifold:
     def project(self, features: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """Φ†(Φ(X)), the projection of a clip of any length (holden2015, section 3).
 
-        Where values of the clip are zero, and the manifold has a linear map, it is the `mixture`.
         `numpy_cae.project` projects a whole motion in its own rig.
 
         Parameters
@@ -174,8 +166,8 @@ class MotionManifold:
         -------
         (F, 63) array of float64
         """
-        project = partial(self._project_clip, average_shifts=average_shifts)
-        return self.denormalise(self._repaired(self.normalise(features)[None], project)[0])
+        x = self._rescaled(self.normalise(features)[None])
+        return self.denormalise(self._project_clip(x, average_shifts)[0])
 
     def complete(self, features: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
         """A clip of which some values are missing, completed (`manifold.complete`).
@@ -237,7 +229,7 @@ class MotionManifold:
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""
-        return self._repaired(x, lambda x: project_shifted(self.network, x, average_shifts))
+        return project_shifted(self.network, self._rescaled(x), average_shifts)
 
     def remembering(self) -> "MotionManifold":
         """The same manifold, for repeated projections of a motion that changes in few places: a
@@ -283,8 +275,6 @@ class MotionManifold:
             "rescales": np.array(int(self.rescales)),
             "window": np.array(self.window),
         }
-        if self.linear is not None:
-            arrays["linear"] = self.linear.weights
         for number, layer in enumerate(layers, start=1):
             arrays[f"w{number}"], arrays[f"b{number}"] = layer.w, layer.b
         if half:
@@ -310,9 +300,6 @@ class MotionManifold:
         dtype = np.promote_types(arrays["w1"].dtype, np.float32)
         for number, layer in enumerate(network.layers, start=1):
             layer.w, layer.b = (arrays[f"{name}{number}"].astype(dtype) for name in "wb")
-        linear = None
-        if "linear" in arrays:  # a model that was made without rescaling has none
-            linear = LinearDenoiser(numbers(arrays, "linear", (TAPS, FEATURES, FEATURES)))
         return MotionManifold(
             network,
             numbers(arrays, "mean_pose", (FEATURES,)),
@@ -322,7 +309,6 @@ class MotionManifold:
             json_object(arrays, "settings"),
             bool(integer(arrays, "rescales", 0, 1)),
             integer(arrays, "window", 1, MAX_FRAMES),
-            linear,
         )
 
     def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:
@@ -352,12 +338,6 @@ class MotionManifold:
     def _padded(self, features: np.ndarray) -> np.ndarray:
         """A clip of features (F, 63) as one normalised window, padded."""
         return self.padded(self._rescaled(self.normalise(features)[None]))
-
-    def _repaired(self, x: np.ndarray, project: Project) -> np.ndarray:
-        """The projection by a function, of windows (N, F, 63) of which values may be removed."""
-        if self.rescales and self.linear is not None and np.any(p := zeroed_fraction(x)):
-            return mixture(x, p, project, self.linear)
-        return project(self._rescaled(x))
 
     def _rescaled(self, x: np.ndarray) -> np.ndarray:
         """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""

@@ -40,8 +40,8 @@ _MODULES = {
 _STEP = 4e-4
 """STEP: positions are packed in multiples of this (m)."""
 SCALE = (0.01, 0.5)
-"""SCALE: the colours of distances go, by the logarithm, from the first of these to the second (m); a
-joint below is grey, one beyond has the last colour."""
+"""SCALE: the colours of distances go, by the logarithm, from the first of these to the second (m);
+a joint below is grey, one beyond has the last colour."""
 
 
 def save_viewer(

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from numpy_cae.evaluation import PCA
-from numpy_cae.models.linear_denoiser import LinearDenoiser, Moments, contexts
 from studies.shared.interpolate_linearly import interpolate_linearly
+from studies.shared.linear_denoiser import LinearDenoiser, Moments, contexts
 
 TAPS = 5
 

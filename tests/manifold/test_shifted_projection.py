@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.mixture import KEPT, mixture
 from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.models.linear_denoiser import Moments
 from numpy_cae.training import zero_values
 
 X = np.random.default_rng(0).normal(size=(3, 32, 63)).astype(np.float32) * 0.2
@@ -51,21 +49,3 @@ def test_only_a_network_trained_on_rescaled_input_is_given_it(network):
     clip = zero_values(X[0, :29], 0.5, np.random.default_rng(4))
     by_hand = plain.project(clip / (1 - zeroed_fraction(clip[None])[0]), average_shifts=True)
     np.testing.assert_allclose(rescaling.project(clip, average_shifts=True), by_hand, atol=1e-5)
-
-
-def test_a_mixture_is_of_what_predicts_removed_values_best(network):
-    slow = np.cumsum(X, axis=1)  # neighbouring frames say something of each other
-    linear = Moments.of(slow, np.ones(slow.shape[:2], bool)).solve(KEPT)
-    lost = zero_values(slow, 0.5, np.random.default_rng(0))
-    p = zeroed_fraction(lost)
-    noise = 3 * np.random.default_rng(1).standard_normal(slow.shape)
-    repaired = [mixture(lost, p, lambda x, y=y: y, linear) for y in (slow, noise)]
-    repaired.append(linear.repair(KEPT * lost / (1 - p)))
-    right, wrong, alone = np.square(np.array(repaired) - slow).mean(axis=(1, 2, 3))
-    assert right < 0.1 * alone and wrong < 2 * alone  # with equal weights 0.25 and over 50
-    frame = np.zeros(63), np.ones(63), np.ones(20)
-    manifold = MotionManifold(network, *frame, rescales=True, linear=linear)
-    one_removed = manifold.project_windows(np.concatenate([lost[:1], slow[1:]]))
-    np.testing.assert_allclose(one_removed[1:], network.project(slow[1:]), atol=1e-5)
-    by_network = replace(manifold, linear=None).project(lost[0])
-    assert np.abs(manifold.project(lost[0]) - by_network).max() > 0.1
