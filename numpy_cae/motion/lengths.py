@@ -58,6 +58,8 @@ def problem_of(positions: np.ndarray) -> str:
     """Why positions (F, 20, 3) in metres are not those of a person whose bones `change_lengths` can
     scale; empty if they are. A bone of length 0 is allowed only below a bone of
     positive length."""
+    if not np.isfinite(positions).all():
+        return "some frames have values that are not numbers; `numpy-cae repair` fills them in"
     # A few damaged frames do not change the median.
     lengths = np.median(frame_lengths(positions), axis=0)
     legs = lengths[_LEGS].sum()

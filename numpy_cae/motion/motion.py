@@ -226,8 +226,10 @@ class Motion:
         return replace(self, rotations=rotations, translations=translations)
 
     def sampled(self, poses: int) -> Motion:
-        """About this many poses of the motion, evenly spaced."""
-        return self.at(slice(None, None, max(1, len(self) // poses)))
+        """About this many poses of the motion, evenly spaced; poses with NaN are left out."""
+        some = self.at(slice(None, None, max(1, len(self) // poses)))
+        lost = np.isnan(some.rotations).any((1, 2)) | np.isnan(some.translations).any((1, 2))
+        return some.at(~lost) if lost.any() else some
 
     def positions(self, joints: Sequence[int] | None = None) -> np.ndarray:
         """World positions of the joints, or of some, (frames, joints, 3) in metres, Y up."""

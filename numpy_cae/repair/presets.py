@@ -10,6 +10,7 @@ from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import body_size
 from numpy_cae.repair.finding import Finding
+from numpy_cae.repair.interpolated import with_finite_values
 from numpy_cae.repair.jumps import sharp_steps
 
 
@@ -80,6 +81,7 @@ LONGEST_SECONDS = 20.0
 def fitting_preset(motion: Motion) -> str | None:
     """The name of the preset that fits a motion: "video" if it shakes, or jumps and slides; "suit"
     if it begins with a pose of reference; else None."""
+    motion, _ = with_finite_values(motion)
     t_pose = leading_t_pose(motion)
     first = t_pose.frames if t_pose else 0
     some = motion.at(slice(first, first + int(LONGEST_SECONDS * motion.rate)))

@@ -26,7 +26,7 @@ from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
 from numpy_cae.motion.joints import LIMBS
 from numpy_cae.motion.masks import with_margin
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, require_finite
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import BODY, Finding, is_path, marked, require_usable, shifted
@@ -318,7 +318,8 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     Raises
     ------
     UnknownRigError, ValueError
-        If joints of the rig are missing; if the mask has another shape.
+        If joints of the rig are missing; if the mask has another shape; if values of the motion are
+        not finite, which `repair` mends.
 
     Examples
     --------
@@ -329,6 +330,7 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     >>> fill_motion(motion, starter(), keyframe_mask(30, 10))
     all joints: frames 1 to 9, 11 to 19: moved 3.7 cm, at most 24.0
     """
+    require_finite(motion)
     missing, body = checked_mask(missing, len(motion)), Body(motion, manifold.lengths)
     curve_at, strength = chosen(manifold, body, missing)
     start = on_curves(motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))

@@ -19,6 +19,7 @@ from acclaim_files import AMC, ASF
 from acclaim_files import FILES as FOLDER
 from mutations import mutated
 
+import numpy_cae.mocap
 import numpy_cae.motion
 from numpy_cae.mocap import MotionFileError, load_motion
 
@@ -92,7 +93,9 @@ def read_or_refuse(path, name, size, mutations, measured=True):
         tracemalloc.start()
     begun, positions = time.process_time(), np.zeros(1)
     try:
-        positions = load_motion(path).resampled(30.0).positions()
+        motion = load_motion(path)
+        lost = any(note.kind == "lost values" for note in motion.notes)
+        positions = (motion.sampled(len(motion)) if lost else motion).resampled(30.0).positions()
         return True
     except MotionFileError as refused:
         assert refused.path.name in (name, path.name), mutations
@@ -114,7 +117,9 @@ PARTS, PART, MEASURED = 25, 1000, 8
 
 def code() -> str:
     """A digest of the code that reads motions, and of the mutations."""
-    paths = [*sorted(Path(numpy_cae.motion.__file__).parent.rglob("*.py")), Path(__file__)]
+    packages = (numpy_cae.motion, numpy_cae.mocap)
+    folders = (Path(package.__file__).parent for package in packages)
+    paths = [*(path for each in folders for path in sorted(each.rglob("*.py"))), Path(__file__)]
     paths.append(Path(__file__).with_name("mutations.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 

@@ -121,6 +121,7 @@ ODD = {
     "more frames": (TIDY.replace("Frames: 2", "Frames: 9"), "Frames: says 9, but 2 lines"),
     "comments": (TIDY.replace("  JOINT", "# by hand\n\n  JOINT"), "skipped 1 unknown line of "),
     "still": (TIDY[: TIDY.index("1e1")] + "10 90 20 1 2 3 4 5 6\n", "nothing moves: all frames"),
+    "rate": (TIDY.replace(".0083333", "1"), "Frame Time: 1 is 1 frames a second; is that right"),
     "brackets": (TIDY.replace("OFFSET 0 -40 0", "OFFSET [0, -40., 0]"), "assumed"),
 }
 

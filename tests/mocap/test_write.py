@@ -138,6 +138,23 @@ def test_what_a_killed_process_left_is_removed_and_what_another_writes_is_not(tm
     assert not left.exists() and len(list(tmp_path.iterdir())) == 3
 
 
+def test_values_that_are_lost_are_read_and_written_where_they_were_mended(tmp_path):
+    path = tmp_path / "walk.bvh"
+    write_bvh(make_take("walk", 1, seconds=1.0, rate=30.0).motion, path)
+    lines = path.read_text().splitlines(keepends=True)
+    for row, text in ((-20, "nan"), (-19, "1.#QNAN"), (-18, "-inf")):
+        lines[row] = lines[row].replace(lines[row].split()[4], text, 1)
+    path.write_text("".join(lines))
+    motion = load_motion(path)
+    assert "values are not numbers (nan) in 3 frames, the first is frame 10" in motion.note
+    with pytest.raises(ValueError, match="not finite: frame 10"):
+        motion.save(tmp_path / "a.bvh")
+    mended = np.where(np.isnan(motion.rotations), [0.0, 0.0, 0.0, 1.0], motion.rotations)
+    replace(motion, rotations=mended).save(path)
+    np.testing.assert_allclose(load_motion(path).rotations, mended, atol=1e-7)
+    assert path.read_text().splitlines(keepends=True)[:-20] == lines[:-20]
+
+
 def test_places_that_cannot_be_written_are_said(tmp_path):
     with pytest.raises(FileError, match="no folder"):
         write_bvh(drawn_motion(0), tmp_path / "nowhere" / "take.bvh")

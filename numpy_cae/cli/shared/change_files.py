@@ -44,7 +44,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output += "or .bvh. For several motions a folder, created if it does not exist"
     add("-o", "--output", type=Path, help=output)
     add("--dry-run", **arguments.FLAG, help="print what would be changed and write nothing")
-    add("--overwrite", **arguments.FLAG, help="allow -o to be the file or the folder that is read")
+    add(
+        "--overwrite",
+        **arguments.FLAG,
+        help="replace files that exist, also the file or the folder that is read",
+    )
     arguments.add_shared(parser, "html")
     one_motion.add_model_arguments(parser)
 
@@ -85,6 +89,8 @@ class ChangedFiles:
             with working(str(source)) if self.single else nullcontext() as is_done:
                 self.is_done = is_done
                 yield
+        except BrokenPipeError:  # no error of the file
+            raise
         except (NumpyCaeError, ValueError, OSError) as error:
             where = f"{source}: " if isinstance(error, UnknownRigError) else ""
             if self.single:
@@ -109,7 +115,9 @@ class ChangedFiles:
             assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
             repaired.motion.save(target, motion)
             print(f"{target}: {repaired.motion}")
-            if self.args.html and not same:
+            if self.args.html and same:
+                print(f"{target.with_suffix('.html')}: not written, since nothing was changed")
+            elif self.args.html:
                 self._write_page(motion, repaired, target)
         print(indent(str(repaired), "  "))
         if getattr(self.args, "findings", None):
@@ -155,8 +163,13 @@ class ChangedFiles:
             pages = {source: target.with_suffix(".html") for source, target in targets.items()}
             require_one_target_each(pages)
         for source, target in targets.items():
-            if not args.overwrite and target.exists() and target.samefile(source):
+            if args.overwrite or not target.exists():
+                continue
+            if target.samefile(source):
                 raise ValueError(f"{target}: is the file that is read; --overwrite allows this")
+            if not _is_version(target, source):
+                problem = f"exists and is no version of {source}; --overwrite replaces it"
+                raise ValueError(f"{target}: {problem}")
         return targets
 
     def _write_findings(self, motion: Motion, repaired: Repaired) -> None:
@@ -207,3 +220,10 @@ def before_and_after(motion: Motion, repaired: Repaired) -> list[Actor]:
     after[len(before) - len(repaired.motion) :] = repaired.motion.positions(joints)
     first = Actor(before, PARENTS, "before", CORRUPTED, JOINTS)
     return [first, compared(Actor(after, PARENTS, "after", PROJECTED, JOINTS), first)]
+
+
+def _is_version(path: Path, source: Path) -> bool:
+    """Whether most lines of a file are lines of the source, as of an earlier repair of it."""
+    own = set(source.read_bytes().splitlines())
+    lines = path.read_bytes().splitlines()
+    return 2 * sum(line in own for line in lines) > len(lines)

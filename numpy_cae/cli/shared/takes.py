@@ -42,6 +42,9 @@ def read_takes(
         (testing if is_test(body.path, test) else training).append(body.positions)
         units[unit_name(body.unit)] += 1
         changed += len(body.notes) > 1
+        for doubt in body.notes:
+            if doubt.in_doubt:
+                note(f"{body.path}: {doubt.text}")
     left_out = len(paths) - units.total()
     if test and not testing:
         raise ValueError("every file to test was left out, see above")

@@ -80,8 +80,9 @@ def read_amc(
     values = _frames(file, acclaim, header, step, rate)
     rotations, translations = read_pose(channels, acclaim.skeleton.offsets, values)
     source = ":units of the skeleton" if unit is None else "as given"
-    note = stated_unit(acclaim.unit, source, stature(acclaim.skeleton))
-    return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, (note,))
+    unit_note = stated_unit(acclaim.unit, source, stature(acclaim.skeleton))
+    notes = (unit_note, *file.lost_values(values))
+    return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, notes)
 
 
 def amc_channels(path: str | Path, unit: float) -> list[Channels]:

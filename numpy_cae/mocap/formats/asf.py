@@ -11,6 +11,7 @@ pose the local axes of all its joints are the world's. A joint here is named for
 the bone's base: lfemur is at the hip, ltibia at the knee.
 """
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -23,6 +24,8 @@ from numpy_cae.mocap.formats.text_file import TextFile, quoted
 from numpy_cae.mocap.units import INCH, require_unit
 from numpy_cae.motion.motion import Skeleton, depth_first
 
+_COMMENT = re.compile(r"(?<!\.)#.*")
+"""_COMMENT: 1.#QNAN is none."""
 MAX_BYTES = 1_000_000
 """MAX_BYTES: a longer .asf file is refused; those of CMU have 6,000 bytes."""
 ANGLE_UNITS = {"deg": np.radians(1.0), "degrees": np.radians(1.0), "rad": 1.0, "radians": 1.0}
@@ -97,7 +100,7 @@ class _Block:
 def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
     """(line number, words) of each line below line `after`, without comments, which # begins."""
     for line, text in file.numbered(after):
-        words = text.partition("#")[0].split()
+        words = (_COMMENT.sub("", text) if "#" in text else text).split()
         if words:
             yield line, words
 

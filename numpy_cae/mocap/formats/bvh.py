@@ -16,6 +16,9 @@ from numpy_cae.mocap.formats.text_file import HEADER_SIZE, TextFile, quoted, who
 from numpy_cae.mocap.units import guess_unit, require_unit, stated_unit, stature
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
+SLOWEST, FASTEST = 8.0, 2000.0
+"""SLOWEST, FASTEST: no recorder of motion has a rate below or above these (frames a second)."""
+
 
 def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:
     """Read a BVH file.
@@ -65,7 +68,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     is_still = len(values) > 1 and (values[-1] == values[0]).all() and (values == values[0]).all()
     del values
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
-    lengths = np.median(np.linalg.norm(translations, axis=-1), axis=0)
+    lengths = np.nanmedian(np.linalg.norm(translations, axis=-1), axis=0)
     height = stature(skeleton, lengths)
     if unit is not None:
         note = stated_unit(unit, "as given", unit * height)
@@ -126,12 +129,18 @@ def _read_motion(
         return file.table(time_line, channels, frames, expected, step)
 
     values, lines = read(max(stated, 1))
-    if lines == stated:
-        return rate, values, []
+    notes = []
     if lines == 0:
-        raise file.error(count_line, f"Frames: says {count}, but no line of values follows")
-    text = f"Frames: says {count}, but {lines} lines of values follow and were read"
-    return rate, read(lines)[0], [Note("frames", text)]
+        joined = "but" if stated else "and"
+        raise file.error(count_line, f"Frames: says {count}, {joined} no line of values follows")
+    if lines != stated:
+        text = f"Frames: says {count}, but {lines} lines of values follow and were read"
+        notes.append(Note("frames", text))
+        values, _ = read(lines)
+    if not SLOWEST <= rate <= FASTEST:
+        text = f"Frame Time: {time} is {rate:.3g} frames a second; is that right?"
+        notes.append(Note("rate", text, in_doubt=True))
+    return rate, values, notes + file.lost_values(values)
 
 
 def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[int, str]:

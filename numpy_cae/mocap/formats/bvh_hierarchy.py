@@ -29,8 +29,9 @@ CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
 """CHANNELS: usual spelling of each channel -> its name in `Channels`. Files differ in case."""
 _LOWER_CASE = {name.lower(): short for name, short in CHANNELS.items()}
 _KEYWORDS = {"HIERARCHY", "ROOT", "JOINT", "OFFSET", "CHANNELS", "End Site", "MOTION", "{", "}"}
-_BRACKETS = str.maketrans("[](),", "     ")
-"""_BRACKETS: what scripts write around and between the numbers of a vector."""
+_BRACKETS = str.maketrans("[]()", "    ")
+_COMMA = str.maketrans(",", " ")
+"""_BRACKETS, _COMMA: what scripts write around and between the numbers of a vector."""
 _SKIPPABLE = re.compile(r"[^-+.\d{}][^{}]*")
 """_SKIPPABLE: a line that may be skipped has no brace and is no row of numbers."""
 
@@ -106,6 +107,9 @@ class _Tree:
             expected = self.blocks[-1].may_follow
         else:
             expected = ["MOTION"] if self.joints else ["ROOT"]
+        if keyword == "ROOT" and self.joints and not self.blocks:
+            problem = f"a second ROOT, {quoted(value)}: a file may hold one skeleton; delete this"
+            raise self.file.error(line, f"{problem} one and its columns of values")
         if keyword not in expected:
             found = quoted(f"{keyword} {value}".strip())
             problem = f"expected {' or '.join(expected)}{self.place}, found {found}"
@@ -121,7 +125,8 @@ class _Tree:
             if block.is_end_site:
                 self.joints[block.parent].tip = self.joints[block.parent].tip or block.offset
         elif keyword == "OFFSET":
-            words = value.translate(_BRACKETS).split()
+            words = [word.strip(",") for word in value.translate(_BRACKETS).split()]
+            words = words if len(words) == 3 else value.translate(_BRACKETS | _COMMA).split()
             self.blocks[-1].offset = self.file.numbers(line, words, 3, "OFFSET")
         elif keyword == "CHANNELS":
             self.blocks[-1].channels = _channels(self.file, line, value)

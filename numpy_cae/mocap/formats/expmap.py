@@ -57,7 +57,8 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     >>> len(motion), motion.rate, motion.skeleton.names[:2]
     (2, 120.0, ('Hips', 'LHipJoint'))
     """
-    rig, values = _table(TextFile.read(path))
+    file = TextFile.read(path)
+    rig, values = _table(file)
     metres = rig.unit if unit is None else require_unit(unit)
     # The bones are in metres already; a given unit applies to the translation alone.
     translations = np.tile(rig.skeleton.offsets, (len(values), 1, 1))
@@ -69,7 +70,8 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
         rotations[:, 0] = cmu_root(rotations[:, 0])
     source = "of such text" if unit is None else "as given"
     text = f"{unit_name(metres)} ({source}, {rig.name}, the bones are a standard person's)"
-    return Motion(rig.skeleton, rig.rate, rotations, translations, metres, (Note("unit", text),))
+    notes = (Note("unit", text), *file.lost_values(values))
+    return Motion(rig.skeleton, rig.rate, rotations, translations, metres, notes)
 
 
 def is_expmap_text(path: str | Path) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from array import array
 from codecs import BOM_UTF8
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.errors import FileError
-from numpy_cae.motion.motion import RATE
+from numpy_cae.motion.motion import RATE, Note
 
 MAX_VALUE = 1e12
 """MAX_VALUE: a number of this size or more is refused. No length or angle of a motion is as large,
@@ -23,6 +24,8 @@ MAX_BYTES = 1 << 30
 """MAX_BYTES: a longer file is refused."""
 MAX_LINE = 1_000_000
 """MAX_LINE: a line of more characters is refused; a file is decoded in blocks of this size."""
+_LOST = re.compile(r"[-+]?(nan\(.*\)|inf(inity)?|1\.#(qnan|snan|ind|inf)\d*)", re.IGNORECASE)
+"""_LOST: what programs write, besides "nan", for a value that is lost or was divided by zero."""
 MAX_JOINTS = 5_000
 """MAX_JOINTS: a skeleton with more joints is refused."""
 
@@ -100,20 +103,22 @@ class TextFile:
     def numbers(
         self, line: int, words: list[str], count: int | None = None, name: str = ""
     ) -> list[float]:
-        """The words as finite numbers.
+        """The words as numbers: finite ones if they are `count` numbers of `name`, else also NaN.
 
-        MotionFileError quotes the first word that is not such a number. If the words are not
-        `count`, it says how many values `name` has.
+        MotionFileError quotes the first word that is not such a number, or says how many values
+        `name` has.
         """
         if count is not None and len(words) != count:
             problem = f"{name} has {len(words)} value{'s' * (len(words) != 1)}"
             raise self.error(line, f"{problem}, expected {count} number{'s' * (count > 1)}")
         values = []
         for word in words:
-            value = _number(word)
-            if value is None:
-                expected = f"is not a number, expected a finite number below {MAX_VALUE:g}"
-                raise self.error(line, f"{quoted(word)} {expected}")
+            value = as_number(word)
+            if value is None or (count is not None and np.isnan(value)):
+                problem = f"{quoted(word)} is not a number"
+                if as_number(word.replace(",", ".")) is not None:
+                    raise self.error(line, f"{problem}: write decimals with a point, not a comma")
+                raise self.error(line, f"{problem}, expected a finite number below {MAX_VALUE:g}")
             values.append(value)
         return values
 
@@ -153,7 +158,8 @@ class TextFile:
         with suppress(ValueError):
             texts = [text for _, text in lines]
             values = np.loadtxt(texts, comments=None, ndmin=2, delimiter=separator)
-            if values.shape == (len(lines), width) and (np.abs(values) < MAX_VALUE).all():
+            # A NaN fails no comparison.
+            if values.shape == (len(lines), width) and not (np.abs(values) >= MAX_VALUE).any():
                 return values
         # A line is damaged, or its digits are not ASCII: float() reads those, np.loadtxt does not.
         rows = []
@@ -163,6 +169,14 @@ class TextFile:
                 raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
             rows.append(self.numbers(line, [word.strip() for word in words]))
         return np.array(rows)
+
+    def lost_values(self, values: np.ndarray) -> list[Note]:
+        """A note if frames of a table (frames, values) have a NaN; MotionFileError if all do."""
+        lost = np.flatnonzero(np.isnan(values.sum(axis=1)))
+        if len(lost) == len(values):
+            raise self.error(None, "every frame has a value that is not a number")
+        text = f"values are not numbers (nan) in {len(lost)} frames, the first is frame "
+        return [Note("lost values", f"{text}{lost[0]}")] if len(lost) else []
 
     def require_frames(self, frames: int, joints: int, rate: float) -> None:
         """Reject more joint rotations than a file of this size can describe, before it is parsed.
@@ -189,11 +203,13 @@ def quoted(text: str) -> str:
     return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
-def _number(word: str) -> float | None:
-    """The word as a finite number below `MAX_VALUE`; None if it is something else."""
+def as_number(word: str) -> float | None:
+    """The word as a number below `MAX_VALUE` or NaN; None if it is something else."""
     try:
         value = float(word)
     except ValueError:
-        return None
-    # float() reads 1_000 too, but a file that has it is damaged. NaN is not below MAX_VALUE.
+        return np.nan if _LOST.fullmatch(word) else None
+    if value != value or _LOST.fullmatch(word):
+        return np.nan
+    # float() reads 1_000 too, but a file that has it is damaged.
     return value if abs(value) < MAX_VALUE and "_" not in word else None

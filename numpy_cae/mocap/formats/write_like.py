@@ -17,7 +17,7 @@ from numpy_cae.mocap.coordinates import as_in_file
 from numpy_cae.mocap.formats.amc import amc_channels
 from numpy_cae.mocap.formats.bvh import bvh_channels
 from numpy_cae.mocap.formats.channels import Channels
-from numpy_cae.mocap.formats.text_file import MotionFileError
+from numpy_cae.mocap.formats.text_file import MotionFileError, as_number
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion, require_finite
 from numpy_cae.motion.quaternions import angle, inverse, product
@@ -30,8 +30,8 @@ _NOTICEABLE = 0.5
 """_NOTICEABLE: a rotation or place that channels change by more than this (°, cm) is reported."""
 _FRAMES = re.compile(r"(Frames:\s*)\d+", re.IGNORECASE)
 """_FRAMES: the number of frames in the header of a BVH file."""
-_GAPS = re.compile(r"(\s+|#[^\r\n]*)")
-"""_GAPS: white space and comments, which separate words."""
+_GAPS = re.compile(r"(\s+|(?<!\.)#[^\r\n]*)")
+"""_GAPS: white space and comments, which separate words; 1.#QNAN is a word."""
 
 
 _Numbers = Callable[[list[str]], Sequence[int]]
@@ -83,7 +83,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     is_bvh = source.suffix.lower() == ".bvh"
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
     # Every line of the header of a BVH file begins with a keyword or a brace.
-    begins = re.compile(r"\s*[-+.\d]" if is_bvh else r"\s*\d+\s*(#|$)")
+    begins = re.compile(r"(?i)\s*([-+.\d]|nan|inf)" if is_bvh else r"\s*\d+\s*(#|$)")
     numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
     replacer = _Replacer(channels, numbers)
     cut = len(before) - len(after)
@@ -140,16 +140,18 @@ class _Replacer:
         """The texts of a block of frames, in which the motion was `before`, with new numbers."""
         turned = np.any(before.rotations != after.rotations, axis=-1)
         steps = 100 * np.linalg.norm(before.translations - after.translations, axis=-1)
-        changed = np.any(turned | (steps > 0), axis=1)
+        moved = ~(steps <= 0)  # a step from a NaN is one, too
+        changed = np.any(turned | moved, axis=1)
         # Changed frames, their neighbours and the last frame are parsed.
         parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
         parsed[-1] = True
         values, places_in = self._parsed(texts, np.flatnonzero(parsed).tolist())
         old = values.copy()
-        self._put(values, as_in_file(after), turned, steps)
+        self._put(values, as_in_file(after), turned, moved, steps)
         self.last = values[-1]
         decimals = _decimals(texts, places_in)
-        new = changed[:, None] & (np.abs(values - old) > 0.5 * 10.0**-decimals)
+        # What was a NaN is written, too.
+        new = changed[:, None] & ~(np.abs(values - old) <= 0.5 * 10.0**-decimals)
         written = map(f"%.{decimals}f".__mod__, values[new].tolist())
         for frame in np.flatnonzero(changed).tolist():
             pieces, _ = _split(texts[frame])
@@ -174,15 +176,25 @@ class _Replacer:
             if len(order) != width:
                 problem = f"a frame has {len(order)} numbers, but had {width} when it was read"
                 raise ValueError(problem)
-            values[frame] = [float(pieces[place]) for place in places_in[frame]]
+            texts_of_numbers = [pieces[place] for place in places_in[frame]]
+            try:
+                values[frame] = list(map(float, texts_of_numbers))
+            except ValueError:  # such as 1.#QNAN
+                values[frame] = list(map(as_number, texts_of_numbers))
         return values, places_in
 
     def _put(
-        self, values: np.ndarray, after: Motion, turned: np.ndarray, steps: np.ndarray
+        self,
+        values: np.ndarray,
+        after: Motion,
+        turned: np.ndarray,
+        moved: np.ndarray,
+        steps: np.ndarray,
     ) -> None:
-        """Put the numbers of a motion into `values` where a joint turned or moved, both (F, J)."""
+        """Put the numbers of a motion into `values` where a joint turned, or moved by `steps` (cm),
+        each (F, J)."""
         for joint, of_joint in enumerate(self.channels):
-            frames = np.flatnonzero(steps[:, joint] > 0).tolist()
+            frames = np.flatnonzero(moved[:, joint]).tolist()
             place = np.ix_(frames, of_joint.columns("t"))
             values[place] = of_joint.position_values(after.translations[frames, joint])
             name = after.skeleton.names[joint]

@@ -74,7 +74,7 @@ def _offset(motion: Motion, rig: Rig, joint: str, parent: int, estimate: bool) -
     offset = np.zeros(3)
     end, part = _BETWEEN.get(joint, ("", 0.0))
     if end in found and skeleton.parents[found[end]] == parent:
-        offset = part * motion.translations[:, found[end]].mean(axis=0)
+        offset = part * np.nanmean(motion.translations[:, found[end]], axis=0)
     elif JOINTS.index(joint) not in PARENTS:
         offset = skeleton.end_sites.get(parent, offset)
     if estimate and (joint == "head" or joint.endswith("toe")):

@@ -63,7 +63,7 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     is_complete = len(by_names.rig.found) == len(JOINTS)
     if is_complete and not order_problem(by_names.skeleton, by_names.rig):
         problem = "" if mapping else _doubt(by_names)  # an animal's rig may have a person's names
-        return _noted(by_names, f"is this a person? {problem}" if problem else "")
+        return _noted(by_names, f"is this a person? {problem}" if problem else "", in_doubt=True)
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
     offsets = np.median(motion.sampled(_POSES).translations, axis=0)
     suggested = suggest_mapping(replace(motion.skeleton, offsets=offsets))
@@ -75,12 +75,13 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
         if not problem:
             return _noted(proposed, _how_found(proposed, names))
     is_unknown = problem and not is_complete
-    return _noted(by_names, f"rig not recognised: {problem}" if is_unknown else "")
+    return _noted(by_names, f"rig not recognised: {problem}" if is_unknown else "", in_doubt=True)
 
 
-def _noted(motion: RiggedMotion, text: str) -> RiggedMotion:
+def _noted(motion: RiggedMotion, text: str, in_doubt: bool = False) -> RiggedMotion:
     """The motion with a note on its rig, if the text is not empty."""
-    return replace(motion, notes=(*motion.notes, Note("rig", text))) if text else motion
+    note = Note("rig", text, in_doubt)
+    return replace(motion, notes=(*motion.notes, note)) if text else motion
 
 
 def _doubt(proposed: RiggedMotion) -> str:
