@@ -81,6 +81,8 @@ def test_the_input_is_overwritten_on_request_only(folder, tmp_path, error_of, ru
     words = ["fill", copy, "-m", folder / "model.npz", "--joint", "left_wrist"]
     for output in (copy, tmp_path):
         assert "--overwrite allows this" in error_of(*words, "-o", output)
+    (tmp_path / "b.bvh").write_text("of another")
+    assert "exists and is no version of" in error_of(*words, "-o", tmp_path / "b.bvh")
     assert "-o, or use --dry-run" in error_of(*words)
     run(*words, "--dry-run")
     assert copy.read_bytes() == (folder / "walk.bvh").read_bytes()

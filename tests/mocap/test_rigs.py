@@ -7,22 +7,14 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.mocap import (
-    UnknownRigError,
-    body_positions,
-    find_joints,
-    load_motion,
-    read_mapping,
-    retarget,
-    rig_of,
-    write_bvh,
-)
+from numpy_cae.mocap import load_motion, retarget, write_bvh
+from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.retarget.fit import body_skeleton
 from numpy_cae.mocap.rigs.checks import doubt
 from numpy_cae.mocap.rigs.completed import completed
-from numpy_cae.mocap.rigs.recognise import joint_index, recognised
+from numpy_cae.mocap.rigs.recognise import find_joints, joint_index, recognised, rig_of
 from numpy_cae.mocap.rigs.rig_names import RIGS
-from numpy_cae.mocap.rigs.rigs import rig_by_names, with_rig
+from numpy_cae.mocap.rigs.rigs import UnknownRigError, read_mapping, rig_by_names, with_rig
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton
 from numpy_cae.motion.lengths import bone_lengths
 
@@ -58,14 +50,12 @@ def test_of_several_mappings_the_one_that_fits_goes_before_the_table(tmp_path):
     names = [name if name != "Hand_L" else "paw" for name in names_in("Bandai")]
     file = tmp_path / "rig.json"
     file.write_text(json.dumps({"left_wrist": "paw"}))
-    skeleton = skeleton_of(names)
+    motion = person(dict(zip(JOINTS, names, strict=True)).get)
     for mapping in (read_mapping(file), [{"left_wrist": "claw"}, read_mapping(file)]):
-        found = rig_by_names(skeleton, mapping).joints
-        assert skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
+        found = rig_of(recognised(motion, mapping)).joints
+        assert motion.skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
     with pytest.raises(UnknownRigError, match=r"left_wrist \(as 'claw'\)"):
-        rig_of(
-            recognised(person(dict(zip(JOINTS, names, strict=True)).get), {"left_wrist": "claw"})
-        )
+        rig_of(recognised(motion, {"left_wrist": "claw"}))
     known = skeleton_of(names_in("Mixamo"))
     assert rig_by_names(known, [{"head": "x"}, {"head": "y"}]).joints == find_joints(known)
 

@@ -252,7 +252,7 @@ def _decimals(texts: list[str], places_in: dict[int, list[int]]) -> int:
     for frame in islice(places_in, 0, None, max(1, len(places_in) // 50)):
         pieces, _ = _split(texts[frame])
         words += [pieces[place] for place in places_in[frame]]
-    plain = (word for word in words if "e" not in word.lower())
+    plain = (word for word in words if word.lstrip("+-").replace(".", "", 1).isdigit())
     return max((len(word.partition(".")[2]) for word in plain), default=6)
 
 
