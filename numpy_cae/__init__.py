@@ -12,6 +12,7 @@ functions `load`, `save`, `project`, `fill`, `show` and `learn` are those of `nu
 """
 
 from importlib import import_module as _import_module
+from pkgutil import iter_modules as _iter_modules
 
 from numpy_cae import notebook as _notebook
 
@@ -19,6 +20,11 @@ __version__ = "0.4.0"
 __all__ = ["fill", "learn", "load", "project", "repair", "save", "show"]
 
 _notebook.register()
+
+
+def __dir__() -> list[str]:
+    packages = [name for _, name, is_package in _iter_modules(__path__) if is_package]
+    return sorted({*__all__, *packages, "__version__"})
 
 
 def __getattr__(name: str) -> object:

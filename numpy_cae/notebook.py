@@ -14,13 +14,20 @@ def register() -> None:
 
 
 def motion_html(motion) -> str:
-    """The viewer with one motion."""
+    """What the motion is, and the viewer with it."""
     from numpy_cae import viz
 
-    actor = viz.motion_actor(motion, "motion 1", viz.PROJECTED, motion.rate)
+    actor = viz.motion_actor(motion, repr(motion), viz.PROJECTED, motion.rate)
     return viz.in_notebook([actor], motion.rate)._repr_html_()
 
 
 def repaired_html(repaired) -> str:
-    """What was changed, and the viewer with the repaired motion."""
-    return f"<pre>{escape(repr(repaired))}</pre>\n{motion_html(repaired.motion)}"
+    """What was changed, and the viewer with the motion before and after and the findings."""
+    from numpy_cae import viz
+    from numpy_cae.mocap import rig_of
+
+    motion, before = repaired.motion, repaired.original or repaired.motion
+    actors = viz.before_and_after(before, motion, rig_of(before).joints)
+    findings = [finding.to_json() for finding in repaired.listed()]
+    player = viz.in_notebook(actors, motion.rate, 560, findings)
+    return f"<pre>{escape(repr(repaired))}</pre>\n{player._repr_html_()}"

@@ -7,6 +7,7 @@ more options in `numpy_cae.mocap`, `numpy_cae.manifold`, `numpy_cae.repair` and 
 import tempfile
 import webbrowser
 from collections.abc import Sequence
+from itertools import cycle
 from pathlib import Path
 
 from numpy_cae import ipython, training, viz
@@ -15,10 +16,10 @@ from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap import load_motion as load
 from numpy_cae.mocap import save as save
 from numpy_cae.mocap.bodies import read_bodies
-from numpy_cae.mocap.rigs.recognise import joint_index
+from numpy_cae.mocap.rigs.recognise import joint_index, rig_of
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.repair import Repaired, fill_motion, project_motion
+from numpy_cae.repair import Finding, Repaired, fill_motion, project_motion
 from numpy_cae.viz.viewer import Player
 
 __all__ = ["fill", "learn", "load", "project", "save", "show"]
@@ -89,8 +90,13 @@ def fill(
     return fill_motion(motion, manifold or starter(), missing)
 
 
-def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
-    """Play motions side by side in the viewer.
+def show(
+    *motions: Motion,
+    labels: Sequence[str] = (),
+    findings: Sequence[Finding] = (),
+    path: str | Path | None = None,
+) -> Player | None:
+    """Play motions in the viewer, side by side.
 
     In a notebook the last line of a cell displays the viewer. Elsewhere a page is written and
     opened in the browser.
@@ -98,7 +104,13 @@ def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
     Parameters
     ----------
     *motions : Motion
-        Of any rigs. Frames are those of the first motion; others are taken to its rate.
+        Of any rigs. Frames are those of the first motion; others are taken to its rate. Joints of
+        a motion with the joints and frames of the first are coloured by their distance from it.
+    labels : sequence of str, optional
+        A name for each motion.
+    findings : sequence of Finding, optional
+        Of a repair, as in `show(motion, repaired.motion, findings=repaired.findings)`: the two
+        motions are overlaid, as their twenty joints, beside a list of the findings.
     path : path, optional
         Of the page, .html, which is then written and not opened.
 
@@ -106,19 +118,34 @@ def show(*motions: Motion, path: str | Path | None = None) -> Player | None:
     -------
     Player or None
         The viewer, in a notebook; else None.
+
+    Raises
+    ------
+    ValueError
+        If there is not one label for each motion.
+
+    Examples
+    --------
+    >>> import numpy_cae
+    >>> from data_synth import make_take
+    >>> walk = make_take("walk", 0, seconds=1.0, rate=30.0).motion
+    >>> numpy_cae.show(walk, walk.at(slice(9)), labels=["walk", "its start"], path="walk.html")
     """
     rate = motions[0].rate
-    colours = [viz.PROJECTED]
-    if len(motions) > 1:
-        colours = [viz.CORRUPTED, viz.PROJECTED, viz.TRUTH, viz.PLAIN]
-    actors = [
-        viz.motion_actor(motion, f"motion {number + 1}", colours[number % len(colours)], rate)
-        for number, motion in enumerate(motions)
-    ]
+    default = ["before", "after"] if findings else [f"motion {n + 1}" for n in range(len(motions))]
+    labels = labels or default
+    if len(labels) != len(motions):
+        raise ValueError(f"there are {len(labels)} labels for {len(motions)} motions")
+    colours = [viz.CORRUPTED, viz.PROJECTED, viz.TRUTH, viz.PLAIN][len(motions) == 1 :]
+    actors = [viz.motion_actor(*each, rate) for each in zip(motions, labels, cycle(colours))]
+    actors = [viz.compared(actor, actors[0]) for actor in actors]
+    if findings:
+        actors = viz.before_and_after(*motions, rig_of(motions[0]).joints, labels)
+    entries = [finding.to_json() for finding in findings]
     if path is None and ipython.shell():
-        return viz.in_notebook(actors, rate)
+        return viz.in_notebook(actors, rate, 560 if findings else 420, entries)
     page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
-    viz.save_viewer(actors, page, rate)
+    viz.save_viewer(actors, page, rate, "", bool(findings), entries)
     if path is None:
         webbrowser.open(page.as_uri())
     return None

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,11 +30,15 @@ def test_importing_loads_nothing_heavy_and_names_are_loaded_when_used():
     code += "; numpy_cae.repair; print(numpy_cae.verify.properties)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("[]\n<")
+    assert {"load", "repair", "ops", "verify"} <= set(dir(numpy_cae)) and "errors" not in dir(
+        numpy_cae
+    )
     with pytest.raises(AttributeError, match="numpy_cae has no 'repiar'"):
         _ = numpy_cae.repiar
 
 
 def test_a_motion_is_loaded_repaired_shown_and_saved_as_it_came_in(take, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     motion = numpy_cae.load(take)
     repaired = numpy_cae.repair(motion)
     assert str(repaired).startswith("left_wrist: frames 60 to 65: moved ")
@@ -48,6 +53,8 @@ def test_a_motion_is_loaded_repaired_shown_and_saved_as_it_came_in(take, tmp_pat
 
     assert numpy_cae.show(motion, fixed, path=tmp_path / "page.html") is None
     assert "motion 2" in (tmp_path / "page.html").read_text()
+    numpy_cae.show(motion, fixed, labels=["a", "b"], findings=repaired.findings, path="l.html")
+    assert "<title>a, b" in Path("l.html").read_text()
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     numpy_cae.show(motion)
@@ -69,7 +76,7 @@ def test_a_manifold_is_learned_saved_and_projects_motions(take, tmp_path, monkey
 
     monkeypatch.setitem(RECIPES, "fast", Schedule(Stage(epochs=0), Stage(epochs=1)))
     manifold = numpy_cae.learn(take.parent)
-    assert repr(manifold) == "manifold of layers with 64, 128, 256 filters, learned from 1 takes"
+    assert repr(manifold) == "manifold of layers with 64, 128, 256 filters, learned from 1 take"
     motion = numpy_cae.load(take)
     projected = numpy_cae.project(motion, manifold)
     assert (len(projected), projected.rate) == (120, 60)
@@ -90,4 +97,5 @@ def test_motions_show_themselves_in_a_notebook(take, monkeypatch):
         data, _ = shell.display_formatter.format(shown)
         assert data["text/html"].count("<iframe") == 1
     assert data["text/html"].startswith("<pre>left_wrist: frames")
+    assert "before, after" in data["text/html"] and "confidence" in data["text/html"]
     assert data["text/plain"] == str(repaired)

@@ -87,7 +87,7 @@ def learn_manifold(
     >>> schedule = Schedule(layer=Stage(epochs=0), fine_tuning=Stage(epochs=1, rate=0.1))
     >>> manifold = learn_manifold(takes, schedule, window=32, overlap=16, filters=(8, 12), taps=5)
     >>> manifold
-    manifold of layers with 8, 12 filters, learned from 1 takes
+    manifold of layers with 8, 12 filters, learned from 1 take
     >>> manifold.stride, manifold.receptive_radius
     (4, 6)
     """

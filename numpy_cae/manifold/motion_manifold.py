@@ -96,7 +96,8 @@ class MotionManifold:
     def __repr__(self) -> str:
         filters = ", ".join(str(layer.b.size) for layer in self.network.layers)
         takes = self.settings.get("takes", "unknown")
-        return f"manifold of layers with {filters} filters, learned from {takes} takes"
+        plural = "s" * (takes != 1)
+        return f"manifold of layers with {filters} filters, learned from {takes} take{plural}"
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
         """The features (F, 63) on the mean skeleton, and the first frame's root transform, of world

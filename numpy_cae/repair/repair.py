@@ -153,7 +153,8 @@ def repair(
     rest = None if given is None else [finding for finding in given if finding not in t_pose]
     rest = None if rest is None else shifted(rest, -first)
     repaired = _repaired(moving, manifold, preset, rest, shifted(broken, -first))
-    return _with_t_pose(repaired, t_pose, finite.at(slice(0 if preset.cut else first)), broken)
+    kept = finite.at(slice(0 if preset.cut else first))
+    return replace(_with_t_pose(repaired, t_pose, kept, broken), original=motion)
 
 
 def _repaired(
@@ -336,7 +337,7 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     start = on_curves(motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
     holes = Holes(body, missing, start)
     filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
-    return Repaired(filled, missing, distances(motion, filled))
+    return Repaired(filled, missing, distances(motion, filled), original=motion)
 
 
 class _Filling(NamedTuple):

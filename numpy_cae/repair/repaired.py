@@ -38,6 +38,8 @@ class Repaired:
         What was found to be damaged, and mended, in the frames of the file.
     proposed : tuple of Finding
         What is less certain, and was not changed.
+    original : Motion, optional
+        The motion before the repair.
 
     Examples
     --------
@@ -56,6 +58,7 @@ class Repaired:
     known: bool = True
     findings: tuple[Finding, ...] = ()
     proposed: tuple[Finding, ...] = ()
+    original: Motion | None = None
 
     def __repr__(self) -> str:
         """A line for joints that were changed in the same frames: names, frames, centimetres; then
@@ -72,7 +75,7 @@ class Repaired:
                 f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
             )
         if any(finding.kind != "marked" for finding in self.findings):
-            lines += _listed("finding", "", self.by_size(), 1)
+            lines += _listed("finding", "", by_size(self.findings), 1)
         lines += _listed("proposal", ", not changed", by_size(self.proposed))
         if not self.known:
             lines.append(
@@ -81,10 +84,10 @@ class Repaired:
             )
         return "\n".join(lines) or "nothing to repair was found"
 
-    def by_size(self) -> list[Finding]:
-        """The findings that were mended, the largest first: number 1, 2, … wherever they are
-        listed."""
-        return by_size(self.findings)
+    def listed(self) -> list[Finding]:
+        """The findings, the largest first: numbers 1, 2, … wherever they are listed; then the
+        proposals."""
+        return by_size(self.findings) + by_size(self.proposed)
 
 
 def by_size(findings: Iterable[Finding]) -> list[Finding]:

@@ -6,6 +6,8 @@ from numpy_cae.viz.actor import PLAIN as PLAIN
 from numpy_cae.viz.actor import PROJECTED as PROJECTED
 from numpy_cae.viz.actor import TRUTH as TRUTH
 from numpy_cae.viz.actor import Actor as Actor
+from numpy_cae.viz.actor import before_and_after as before_and_after
+from numpy_cae.viz.actor import compared as compared
 from numpy_cae.viz.actor import motion_actor as motion_actor
 from numpy_cae.viz.curves import Curve as Curve
 from numpy_cae.viz.curves import bars_figure as bars_figure

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from numpy_cae.motion.features import POSITIONS, features_to_positions
-from numpy_cae.motion.joints import PARENTS
+from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.visible import visible
 
@@ -61,6 +61,21 @@ def compared(actor: Actor, first: Actor) -> Actor:
     change = actor.positions - first.positions
     change[:, 1:] -= change[:, :1]
     return replace(actor, moved=np.linalg.norm(change, axis=-1))
+
+
+def before_and_after(
+    before: Motion,
+    after: Motion,
+    joints: Sequence[int],
+    labels: Sequence[str] = ("before", "after"),
+) -> list[Actor]:
+    """A motion and the repaired one, as the twenty joints of their rig; frames at the start that
+    were cut off are drawn as they were."""
+    positions = before.positions(joints)
+    repaired = positions.copy()
+    repaired[len(before) - len(after) :] = after.positions(joints)
+    first = Actor(positions, PARENTS, labels[0], CORRUPTED, JOINTS)
+    return [first, compared(Actor(repaired, PARENTS, labels[1], PROJECTED, JOINTS), first)]
 
 
 _RIGID = 0.01

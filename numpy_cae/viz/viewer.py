@@ -199,15 +199,19 @@ class Player:
         )
 
 
-def in_notebook(actors: Sequence[Actor], rate: float, height: int = 420) -> Player:
-    """Motions side by side with play, pause and a slider, for the last line of a cell.
+def in_notebook(
+    actors: Sequence[Actor], rate: float, height: int = 420, findings: Sequence[Mapping] = ()
+) -> Player:
+    """Motions with play, pause and a slider, for the last line of a cell: side by side, or with
+    findings overlaid.
 
     Parameters
     ----------
-    actors, rate
+    actors, rate, findings
         As in `save_viewer`. The viewer takes 260 kB of the notebook, ten seconds of three motions
         about 150 kB more.
     height : int
         Of the frame, in pixels.
     """
-    return Player(page_html(actors, rate), ", ".join(actor.label for actor in actors), height)
+    page = page_html(actors, rate, "", bool(findings), findings)
+    return Player(page, ", ".join(actor.label for actor in actors), height)

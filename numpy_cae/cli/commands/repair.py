@@ -85,7 +85,7 @@ def _preset(args: argparse.Namespace) -> Preset:
 
 def _only(numbers: list[int], motion: Motion, repaired: Repaired) -> Repaired:
     """The repair of the findings of these numbers."""
-    listed = repaired.by_size()
+    listed = repaired.listed()[: len(repaired.findings)]
     if max(numbers) > len(listed):
         raise ValueError(f"--only {max(numbers)}: there are {count(len(listed), 'finding')}")
     return restricted(repaired, motion, [listed[number - 1] for number in numbers])

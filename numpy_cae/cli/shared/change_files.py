@@ -15,11 +15,10 @@ from numpy_cae.mocap.formats.write import require_bvh
 from numpy_cae.mocap.load import find_motion_files, load_motion
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.save import KEPT, FileMotion
-from numpy_cae.motion import JOINTS, PARENTS, Motion
+from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
-from numpy_cae.repair.repaired import by_size, count
-from numpy_cae.viz import CORRUPTED, PROJECTED, Actor, save_viewer
-from numpy_cae.viz.actor import compared
+from numpy_cae.repair.repaired import count
+from numpy_cae.viz import before_and_after, save_viewer
 
 READING = 1 / 4
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
@@ -178,18 +177,17 @@ class ChangedFiles:
             assert isinstance(motion, FileMotion)
             path = path / f"{motion.source.stem}.json"
             path.parent.mkdir(parents=True, exist_ok=True)
-        write_findings(path, repaired.by_size() + by_size(repaired.proposed))
+        write_findings(path, repaired.listed())
         proposals = count(len(repaired.proposed), "proposal")
         print(f"{path}: {count(len(repaired.findings), 'finding')}, {proposals}")
 
     def _write_page(self, motion: Motion, repaired: Repaired, target: Path) -> None:
-        findings = repaired.by_size() + by_size(repaired.proposed)
         page = target.with_suffix(".html")
         source = next(source for source, name in self.targets.items() if name == target)
         title = f"{source.name}: before and after"
         command = self._command(source, target) if self.args.command == "repair" else ""
-        actors = before_and_after(motion, repaired)
-        entries = [finding.to_json() for finding in findings]
+        actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
+        entries = [finding.to_json() for finding in repaired.listed()]
         save_viewer(actors, page, motion.rate, title, True, entries, command)
         print(f"{page}: before and after; open it in a browser")
 
@@ -210,16 +208,6 @@ class ChangedFiles:
             else:
                 words += [option, *each] if len(each) > 1 else [f"{option}={each[0]}"]
         return " ".join(quote(str(word)) for word in words)
-
-
-def before_and_after(motion: Motion, repaired: Repaired) -> list[Actor]:
-    """A motion and the repaired one to draw; frames that were cut off are drawn as they were."""
-    joints = rig_of(motion).joints
-    before = motion.positions(joints)
-    after = before.copy()
-    after[len(before) - len(repaired.motion) :] = repaired.motion.positions(joints)
-    first = Actor(before, PARENTS, "before", CORRUPTED, JOINTS)
-    return [first, compared(Actor(after, PARENTS, "after", PROJECTED, JOINTS), first)]
 
 
 def _is_version(path: Path, source: Path) -> bool:
