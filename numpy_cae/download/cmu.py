@@ -6,16 +6,20 @@
 
 The site publishes no checksums. The first download of a file is therefore not checked; its SHA-256
 is written to `checksums.txt` in the folder. Every file that is listed there is compared with its
-checksum when it is used or downloaded again. A teacher can give students this file.
+checksum when it is used or downloaded again. A teacher can give students this file, which has two
+columns, the name of a file of the database and its checksum.
 """
 
+import io
 import re
 import time
 import urllib.request
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from http.client import HTTPException
 from pathlib import Path
+from typing import Any
 from urllib.error import HTTPError
 
 from numpy_cae.errors import NumpyCaeError
@@ -23,8 +27,16 @@ from numpy_cae.errors import NumpyCaeError
 SITE = "http://mocap.cs.cmu.edu"
 ARCHIVE = "allasfamc.zip"
 CHECKSUMS = "checksums.txt"
+KNOWN = re.compile(rf"(\d{{2,3}})/\1(\.asf|_\d{{2,3}}\.amc)|{re.escape(ARCHIVE)}")
+"""KNOWN: names of files in the folder; no other file is written."""
 PAUSE = 0.2
 """PAUSE: seconds before each request; the site asks not to be crawled."""
+PATIENCE = 60.0
+"""PATIENCE: a download ends with an error if nothing arrives for this time (s)."""
+SLOWEST = 10_000
+"""SLOWEST: or if less than this arrives on average after that time (bytes a second)."""
+MOST_BYTES = {"search": 1_000_000, "file": 100_000_000, "archive": 4_000_000_000}
+"""MOST_BYTES: or if more arrives than this. The archive has about a gigabyte."""
 TERMS = """\
 mocap.cs.cmu.edu says: "This data is free for use in research projects. You may include this data
 in commercially-sold products, but you may not resell this data directly, even in converted form."
@@ -72,7 +84,8 @@ def download_cmu(
     except ImportError:
         advice = "downloads need pooch: install it with `pip install numpy_cae[download]`"
         raise DownloadError(advice) from None
-    folder, site = Path(folder), site.rstrip("/")
+    folder = Path(folder)
+    site = site.rstrip("/")
     checksums = folder / CHECKSUMS
     downloads = pooch.create(folder, site, retry_if_failed=2)
     if not show_progress:
@@ -81,18 +94,23 @@ def download_cmu(
     try:
         for name, address in _addresses(site, subjects).items():
             downloads.registry[name], downloads.urls[name] = None, address
-        if checksums.exists():
-            downloads.load_registry(checksums)
+        downloads.registry |= _read_checksums(checksums)
         for name in downloads.urls:
             path = folder / name
             if not path.exists():
                 time.sleep(PAUSE)
             unzip = pooch.Unzip(extract_dir=".") if name == ARCHIVE else None
-            fetched = downloads.fetch(name, unzip, progressbar=show_progress)
+            download = pooch.HTTPDownloader(progressbar=show_progress, timeout=PATIENCE)
+            fetched = downloads.fetch(name, unzip, partial(_download, download))
+            _require_no_page(path)
             files += fetched if unzip else [fetched]
             if downloads.registry[name] is None:
                 downloads.registry[name] = f"sha256:{pooch.file_hash(path)}"
-    except (OSError, ValueError, HTTPException, zipfile.BadZipFile) as error:
+    except zipfile.BadZipFile:
+        (folder / ARCHIVE).unlink()
+        problem = "is no archive (perhaps the page of a network to log in to) and was deleted"
+        raise DownloadError(f"{folder / ARCHIVE}: {problem}") from None
+    except (OSError, ValueError, HTTPException) as error:
         if isinstance(error, HTTPError):
             error.close()  # it holds the connection open
         raise DownloadError(f"{site}: {error}") from None
@@ -104,6 +122,58 @@ def download_cmu(
     return [Path(file) for file in files if file.lower().endswith((".asf", ".amc"))]
 
 
+def _download(download: Callable, url: str, output: str, registry: object) -> None:
+    """Download a file with limits; `pooch` calls this."""
+    with open(output, "wb") as file:
+        most = MOST_BYTES["archive" if url.endswith(ARCHIVE) else "file"]
+        download(url, _Limited(url, file, most), registry)
+
+
+class _Limited:
+    """A file to which a download of limited size and duration is written."""
+
+    def __init__(self, url: str, file: Any, limit: int):
+        self.url, self.file, self.limit = url, file, limit
+        self.begun = time.monotonic()
+        self.size = 0
+
+    def write(self, part: bytes) -> None:
+        """Write a part; ValueError if the download is too large or too slow."""
+        self.size += len(part)
+        if self.size > self.limit:
+            raise ValueError(f"{self.url}: sends more than {self.limit} bytes")
+        if time.monotonic() - self.begun > PATIENCE + self.size / SLOWEST:
+            raise ValueError(f"{self.url}: sends less than {SLOWEST} bytes a second")
+        self.file.write(part)
+
+    def flush(self) -> None:
+        """As the downloader asks for it."""
+        self.file.flush()
+
+
+def _read_checksums(path: Path) -> dict[str, str]:
+    """The checksums of known files; ValueError that names a line of another kind."""
+    checksums = {}
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    for number, line in enumerate(lines, 1):
+        name, _, checksum = line.partition(" ")
+        if not KNOWN.fullmatch(name) or not re.fullmatch(r"(sha256:)?[0-9a-f]{64}", checksum):
+            expected = "expected a file of the database and its SHA-256"
+            raise ValueError(f"{path}:{number}: {line[:60]!r}, {expected}")
+        checksums[name] = checksum
+    return checksums
+
+
+def _require_no_page(path: Path) -> None:
+    """ValueError if a file begins as a web page does; the file is deleted."""
+    with path.open("rb") as file:
+        is_page = file.read(100).lstrip().startswith(b"<")
+    if is_page:
+        path.unlink()
+        problem = "is a web page (perhaps of a network to log in to) and was deleted"
+        raise ValueError(f"{path}: {problem}")
+
+
 def _addresses(site: str, subjects: Sequence[int] | None) -> dict[str, str]:
     """The files to download, by their names in the folder: a skeleton before its takes."""
     if subjects is None:
@@ -111,8 +181,12 @@ def _addresses(site: str, subjects: Sequence[int] | None) -> dict[str, str]:
     addresses = {}
     for subject in subjects:
         number = f"{subject:02d}"
-        with urllib.request.urlopen(f"{site}/search.php?subjectnumber={subject}") as answer:
-            page = answer.read().decode("latin-1").lower()
+        address = f"{site}/search.php?subjectnumber={subject}"
+        text = _Limited(address, io.BytesIO(), MOST_BYTES["search"])
+        with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
+            while part := answer.read1(1 << 16):
+                text.write(part)
+        page = text.file.getvalue().decode("latin-1").lower()
         takes = sorted(set(re.findall(rf"\b{number}_\d{{2,3}}\.amc", page)))
         if not takes:
             raise ValueError(f"there are no takes of subject {subject}")

@@ -198,6 +198,8 @@ class Motion:
 
     def __post_init__(self) -> None:
         frames, joints = len(self.rotations), len(self.skeleton.names)
+        if not (np.isfinite(self.rate) and self.rate > 0):
+            raise ValueError(f"rate is {self.rate}, expected frames a second above 0")
         for name, width in (("rotations", 4), ("translations", 3)):
             shape = np.shape(getattr(self, name))
             if shape != (frames, joints, width):

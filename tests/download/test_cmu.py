@@ -10,7 +10,7 @@ import pytest
 from acclaim_files import write_amc, write_asf
 
 from data_synth import make_take
-from numpy_cae.download import download_cmu
+from numpy_cae.download import DownloadError, cmu, download_cmu
 from numpy_cae.mocap import find_motion_files, load_motion
 
 pytest.importorskip("pooch", reason="needs the extra `download`")
@@ -68,6 +68,27 @@ def test_the_archive(site, tmp_path):
     files = download_cmu(tmp_path / "cmu", site=address)
     assert {path.name for path in files} == {"07.asf", "07_01.amc", "outside.amc"}
     assert not list(tmp_path.glob("outside.amc"))
+
+
+PORTAL = b"<html>Please log in</html>"
+HARM = "../../x.amc sha256:" + 64 * "0" + " http://127.0.0.1/x.amc\n"
+
+
+@pytest.mark.parametrize("what", ["page", "archive", "checksums", "size"])
+def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
+    folder, address = site
+    (folder / "allasfamc.zip").write_bytes(PORTAL)
+    (out := tmp_path / "cmu").mkdir()
+    if what == "page":
+        (folder / "subjects" / "07" / "07_01.amc").write_bytes(PORTAL)
+    if what == "checksums":
+        (out / "checksums.txt").write_text(HARM)
+    monkeypatch.setitem(cmu.MOST_BYTES, "file", 10 if what == "size" else 10**6)
+    message = {"archive": "zip: is no archive", "checksums": r"txt:1: '../../x.amc sha"}.get(what)
+    message = message or {"page": "07_01.amc: is a web page"}.get(what, "more than 10 bytes")
+    with pytest.raises(DownloadError, match=message):
+        download_cmu(out, None if what == "archive" else [7], address)
+    assert {path.name for path in out.rglob("*.*")} <= {"checksums.txt", "07.asf"}
 
 
 def test_problems_are_said(site, tmp_path, monkeypatch, error_of):

@@ -163,11 +163,17 @@ def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
     motion = drawn_motion(0)
     holed = motion.translations.copy()
     holed[3, 2, 1] = np.nan
-    with pytest.raises(ValueError, match=r"translations.*frame 3, joint 'joint 2'"):
-        write_bvh(replace(motion, translations=holed), path)
+    for name, value, message in (
+        ("translations", holed, r"translations.*frame 3, joint 'joint 2'"),
+        ("translations", 1e12 * motion.translations, "expected less than 1e"),
+        ("rate", 1e-9, "1e-09, expected 1 to 10000"),
+        ("rate", 0, "above 0"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            write_bvh(replace(motion, **{name: value}), path)
     with pytest.raises(ValueError, match="no frames"):
         write_bvh(motion.at(slice(0)), path)
-    for name in ("", " hips", "a{b", "a\nb", "\ud800"):
+    for name in ("", " hips", "a{b", "a\nb", "\ud800", f"x:{motion.skeleton.names[1]}"):
         names = (name, *motion.skeleton.names[1:])
         with pytest.raises(ValueError, match="joint name"):
             write_bvh(replace(motion, skeleton=replace(motion.skeleton, names=names)), path)

@@ -16,8 +16,16 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.coordinates import as_in_file
 from numpy_cae.mocap.formats.channels import continuous_angles, nearest_angles
+from numpy_cae.mocap.formats.text_file import MAX_JOINTS, MAX_VALUE
 from numpy_cae.mocap.units import require_unit
-from numpy_cae.motion.motion import Motion, Skeleton, depth_first, require_finite
+from numpy_cae.motion.motion import (
+    MAX_RATE,
+    MIN_RATE,
+    Motion,
+    Skeleton,
+    depth_first,
+    require_finite,
+)
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
@@ -65,9 +73,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     unit = require_unit(motion.unit if unit is None else unit)
     motion = as_in_file(motion)
     require_finite(motion)
-    for name in motion.skeleton.names:
-        if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):
-            raise ValueError(f"joint name {name!r} cannot be written to a BVH file")
+    _require_readable(motion, unit)
     joints = range(len(motion.skeleton.names))
     order = depth_first(0, {joint: motion.skeleton.children(joint) for joint in joints})
     distance = np.abs(motion.translations - motion.skeleton.offsets).max(axis=(0, 2))
@@ -77,6 +83,23 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     with atomic_write(path) as temp, temp.open("w", encoding="utf-8", newline="\n") as file:
         for line in chain(lines, _frame_lines(motion, order, moving, unit)):
             file.write(line + "\n")
+
+
+def _require_readable(motion: Motion, unit: float) -> None:
+    """Raise ValueError for what `read_bvh` would refuse in the file."""
+    names = motion.skeleton.names
+    for name in names:
+        if not name or name != name.strip() or any(c in "{}" or not c.isprintable() for c in name):
+            raise ValueError(f"joint name {name!r} cannot be written to a BVH file")
+    if len({name.rsplit(":", 1)[-1] for name in names}) < len(names) or len(names) > MAX_JOINTS:
+        problem = f"expected at most {MAX_JOINTS}, unique without a prefix up to a colon"
+        raise ValueError(f"the {len(names)} joint names cannot be written to a BVH file, {problem}")
+    if not MIN_RATE <= motion.rate <= MAX_RATE:
+        raise ValueError(f"rate is {motion.rate:g}, expected {MIN_RATE:g} to {MAX_RATE:g}")
+    tips = motion.skeleton.end_sites.values()
+    largest = max(np.abs(x).max() for x in (motion.translations, motion.skeleton.offsets, *tips))
+    if largest / unit >= MAX_VALUE:
+        raise ValueError(f"a length is {largest:g} m, expected less than {MAX_VALUE * unit:g} m")
 
 
 def _length_format(unit: float) -> str:
