@@ -72,9 +72,11 @@ def test_the_archive(site, tmp_path):
 
 PORTAL = b"<html>Please log in</html>"
 HARM = "../../x.amc sha256:" + 64 * "0" + " http://127.0.0.1/x.amc\n"
+WRONG = {"archive": "zip: is no archive", "checksums": r"txt:1: '../../x.amc sha"}
+WRONG |= {"page": "07_01.amc: is a web page", "size": "more than 10 bytes"}
 
 
-@pytest.mark.parametrize("what", ["page", "archive", "checksums", "size"])
+@pytest.mark.parametrize("what", WRONG)
 def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
     folder, address = site
     (folder / "allasfamc.zip").write_bytes(PORTAL)
@@ -84,9 +86,7 @@ def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
     if what == "checksums":
         (out / "checksums.txt").write_text(HARM)
     monkeypatch.setitem(cmu.MOST_BYTES, "file", 10 if what == "size" else 10**6)
-    message = {"archive": "zip: is no archive", "checksums": r"txt:1: '../../x.amc sha"}.get(what)
-    message = message or {"page": "07_01.amc: is a web page"}.get(what, "more than 10 bytes")
-    with pytest.raises(DownloadError, match=message):
+    with pytest.raises(DownloadError, match=WRONG[what]):
         download_cmu(out, None if what == "archive" else [7], address)
     assert {path.name for path in out.rglob("*.*")} <= {"checksums.txt", "07.asf"}
 

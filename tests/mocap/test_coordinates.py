@@ -87,13 +87,11 @@ def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
 
 
 def test_coordinates_that_are_none():
-    with pytest.raises(ValueError, match="up is 'w', expected one of y, z"):
-        Coordinates(up="w")
-    with pytest.raises(ValueError, match="floor is nan"):
-        Coordinates(floor=float("nan"))
-    for unit in (0, -1, np.nan, np.inf):
-        with pytest.raises(ValueError, match="unit is"):
-            Coordinates(unit=unit)
+    wrong = [("up", "w", "up is 'w', expected one of y, z"), ("floor", np.nan, "floor is nan")]
+    wrong += [("unit", unit, "unit is") for unit in (0, -1, np.nan, np.inf)]
+    for name, value, message in wrong:
+        with pytest.raises(ValueError, match=message):
+            Coordinates(**{name: value})
 
 
 READERS = {".amc": read_amc, ".bvh": read_bvh}
