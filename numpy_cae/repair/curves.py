@@ -18,6 +18,7 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
+from numpy_cae.repair.finding import joint_names
 
 LEG = ("hip", "knee", "ankle")
 STILL_METRES = 1e-6
@@ -128,14 +129,6 @@ def body_size(motion: Motion) -> float:
     legs = [body[[JOINTS.index(f"{side}_{joint}") for joint in LEG]] for side in ("left", "right")]
     length = np.linalg.norm(np.diff(legs, axis=1), axis=-1).sum(axis=-1).mean()
     return float(length / LEG_METRES) or 1.0
-
-
-def joint_names(motion: Motion) -> list[str]:
-    """Our name of each joint of a rig that is one of the twenty, else the rig's."""
-    names = list(motion.skeleton.names)
-    for name, joint in zip(JOINTS, rig_of(motion).joints, strict=True):
-        names[joint] = name
-    return names
 
 
 def levers_of(skeleton: Skeleton) -> np.ndarray:

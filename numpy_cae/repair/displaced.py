@@ -162,7 +162,8 @@ def _closes(curve: Curve, segment: Segment) -> bool:
     size = min(_size(curve, segment.first), _size(curve, segment.end))
     if size <= _least(curve) or min(_left(curve, segment)) >= CLOSING_SHARE * size:
         return False
-    return bool(curve.steps(slice(segment.first, segment.end)).max() < CALM_SHARE * size)
+    within = curve.steps(slice(segment.first, segment.end)).max(initial=0.0)
+    return bool(within < CALM_SHARE * size)
 
 
 def _returns(curve: Curve, segment: Segment) -> bool:

@@ -3,10 +3,12 @@
 A file of findings is a JSON list with an object for each finding:
 
     {"joint": "left_wrist", "frames": [30, 32], "kind": "spike",
-     "evidence": "rotates by 62° and back in 3 frames", "cm": 41.3, "confidence": 0.95}
+     "evidence": "rotates by 62° and back in 3 frames", "cm": 41.3, "confidence": 0.95,
+     "status": "repaired"}
 
-Findings that were not mended also have a "status", "proposed" or "left". A user may remove objects,
-change their joints and frames, and add others; `joint` and `frames` are enough.
+"status" is one of `STATUSES`: passed back, only findings that are "repaired" are mended, and those
+with "accept": true. A user may remove objects, change their joints and frames, and add others;
+`joint` and `frames` are enough.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
@@ -47,6 +50,15 @@ KINDS = (
 """
 BODY = "body"
 """BODY: the `joint` of a finding about the whole body."""
+OF_ONE_JOINT = ("turned", "displaced", "length", "root elsewhere")
+"""OF_ONE_JOINT: findings of these kinds are about one joint, in some of the frames."""
+JOINTS_OF_KIND = {
+    **dict.fromkeys(("T-pose", "jitter", "repeated"), (BODY,)),
+    **dict.fromkeys(("jumps", "unlikely", "marked"), (BODY, *JOINTS)),
+    "foot": (BODY, "left_toe", "right_toe"),
+}
+"""JOINTS_OF_KIND: findings of these kinds are about one of these; others may be about any joint of
+the rig."""
 STATUSES = {
     "repaired": "",
     "proposed": "",
@@ -127,19 +139,17 @@ class Finding:
     def to_json(self) -> dict:
         """The finding as an object of a file of findings."""
         rounded = {"cm": round(self.cm, 2), "confidence": round(self.confidence, 2)}
-        entry = asdict(self) | {"frames": list(self.frames)} | rounded
-        if self.status == "repaired":
-            del entry["status"]
-        return entry
+        return asdict(self) | {"frames": list(self.frames)} | rounded
 
     @staticmethod
     def from_json(entry: dict) -> Finding:
-        """The finding that an object of a file of findings describes.
+        """The finding that an object of a file of findings describes; with "accept": true, one that
+        is to be repaired whatever its status.
 
         Raises ValueError if `joint` or `frames` is missing, or a value has another type.
         """
         usual = {"kind": "marked", "evidence": "", "cm": 0.0, "confidence": 1.0}
-        match usual | {"status": "repaired"} | entry:
+        match usual | {"status": "repaired", "accept": False} | entry:
             case {
                 "joint": str(),
                 "frames": [int() as first, int() as last],
@@ -147,10 +157,12 @@ class Finding:
                 "evidence": str(),
                 "cm": int() | float(),
                 "confidence": int() | float(),
-                "status": str(),
+                "status": str() as status,
+                "accept": bool() as accept,
                 **others,
             } if not others:
-                return Finding(**entry | {"frames": (first, last)})
+                given = {"frames": (first, last), "status": "repaired" if accept else status}
+                return Finding(**{key: entry[key] for key in entry if key != "accept"} | given)
         raise ValueError(f"expected an object such as {json.dumps(EXAMPLE.to_json())}")
 
 
@@ -177,14 +189,36 @@ def marked(mask: np.ndarray, names: Sequence[str] = JOINTS, kind: str = "marked"
     ]
 
 
-def require_usable(motion: Motion, findings: Sequence[Finding]) -> None:
-    """Raise ValueError if a finding is of no joint or frames of the motion."""
-    names = {BODY, *JOINTS, *motion.skeleton.names}
-    for finding in findings:
-        if finding.joint not in names:
-            raise ValueError(f"{finding}: the rig has no joint {finding.joint!r}")
-        if finding.frames[1] >= len(motion):
-            raise ValueError(f"{finding}: the motion has frames 0 to {len(motion) - 1}")
+def joint_names(motion: Motion) -> list[str]:
+    """Our name of each joint of a rig that is one of the twenty, else the rig's."""
+    names = list(motion.skeleton.names)
+    for name, joint in zip(JOINTS, rig_of(motion).joints, strict=True):
+        names[joint] = name
+    return names
+
+
+def usable(motion: Motion, finding: Finding) -> Finding:
+    """A finding of a user with our name of its joint; ValueError if it cannot be mended in the
+    motion."""
+    joint, kind, last = finding.joint, finding.kind, len(motion) - 1
+    names = joint_names(motion)
+    if joint in motion.skeleton.names:
+        joint = names[motion.skeleton.index(joint)]
+    elif joint not in (BODY, *names):
+        raise ValueError(f"{finding}: the rig has no joint {joint!r}")
+    allowed = JOINTS_OF_KIND.get(kind)
+    if allowed and joint not in allowed:
+        expected = ", ".join(allowed) if len(allowed) < len(JOINTS) else "one of the twenty joints"
+        raise ValueError(f"{finding}: of kind {kind!r} the joint is {expected}")
+    if joint == BODY and kind in OF_ONE_JOINT:
+        raise ValueError(f"{finding}: of kind {kind!r} name the joint")
+    if finding.frames[1] > last:
+        raise ValueError(f"{finding}: the motion has frames 0 to {last}")
+    if kind == "T-pose" and (finding.frames[0] or finding.frames[1] == last):
+        raise ValueError(f"{finding}: a T-pose is at the start and ends before the last frame")
+    if kind in OF_ONE_JOINT and finding.frames == (0, last):
+        raise ValueError(f"{finding}: no frame is left that says what is right")
+    return replace(finding, joint=joint)
 
 
 def shifted(findings: Sequence[Finding], frames: int) -> list[Finding]:

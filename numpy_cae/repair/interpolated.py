@@ -16,8 +16,8 @@ from numpy_cae.motion.hole_curves import (
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import IDENTITY
-from numpy_cae.repair.curves import Curve, joint_names
-from numpy_cae.repair.finding import BODY, Finding, marked
+from numpy_cae.repair.curves import Curve
+from numpy_cae.repair.finding import BODY, Finding, joint_names, marked
 from numpy_cae.repair.rotation_curves import channels_on_curves, unknown_channels
 from numpy_cae.repair.segments import Segment
 

@@ -29,7 +29,7 @@ from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion, require_finite
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import BODY, Finding, is_path, marked, require_usable, shifted
+from numpy_cae.repair.finding import BODY, Finding, is_path, marked, shifted, usable
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.interpolated import (
     POSITION_KINDS,
@@ -145,7 +145,7 @@ def repair(
     """
     preset = preset or Preset()
     given = findings if damaged is None else marked(damaged)
-    require_usable(motion, given or [])
+    given = None if given is None else [usable(motion, finding) for finding in given]
     finite, broken = with_finite_values(motion)
     t_pose = find_t_pose(finite) if given is None else [f for f in given if f.kind == "T-pose"]
     first = max((finding.stretch.stop for finding in t_pose), default=0)

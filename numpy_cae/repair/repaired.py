@@ -10,7 +10,9 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.quaternions import rotate
 from numpy_cae.repair.chunks import chunks
+from numpy_cae.repair.curves import LEAST_LEVER_METRES
 from numpy_cae.repair.finding import BODY, Finding, is_path
 
 MOST_PRINTED = 5
@@ -121,8 +123,8 @@ def _frames_of(mask: np.ndarray) -> str:
 
 
 def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndarray:
-    """How far each of the twenty joints moved, (frames, 20) in metres: the joint, or the joint of
-    the rig that follows it (its fingers, the second bone of the neck) and moved furthest; in the
+    """How far each of the twenty joints moved, (frames, 20) in metres: the joint, or what follows
+    it (its fingers, the second bone of the neck, the top of the head) and moved furthest; in the
     world, or from the hips."""
     skeleton, joints = after.skeleton, rig_of(after).joints
     followed = [
@@ -133,9 +135,7 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
     changed |= np.any(before.translations != after.translations, axis=(1, 2))
     moved = np.zeros((len(after), len(joints)))
     for frames, _ in chunks(np.flatnonzero(changed)):
-        change = after.at(frames).positions() - before.at(frames).positions()
-        change -= from_hips * change[:, joints[:1]]
-        distance = np.linalg.norm(change, axis=-1)
+        distance = _distance(before.at(frames), after.at(frames), joints[0] if from_hips else None)
         for joint, of in enumerate(followed):
             moved[frames, of] = np.maximum(moved[frames, of], distance[:, joint])
     return moved
@@ -183,6 +183,24 @@ def _on_one_path(motion: Motion, name: str) -> list[int]:
     joint = rig_of(motion).joints[JOINTS.index(name)] if name in JOINTS else skeleton.index(name)
     paths = [skeleton.path(other) for other in range(len(skeleton.names))]
     return [other for other, path in enumerate(paths) if joint in path or other in paths[joint]]
+
+
+def _distance(before: Motion, after: Motion, origin: int | None) -> np.ndarray:
+    """How far each joint of the rig moved, or the point at the end of its bone where no other joint
+    is, (frames, J) in metres; relative to the joint `origin` if it is given."""
+    places, turns = before.forward_kinematics()
+    new_places, new_turns = after.forward_kinematics()
+    change = new_places - places
+    if origin is not None:
+        change -= change[:, [origin]]
+    distance = np.linalg.norm(change, axis=-1)
+    skeleton = after.skeleton
+    for joint in set(range(len(skeleton.names))) - set(skeleton.parents):
+        tip = np.asarray(skeleton.end_sites.get(joint, [0.0, LEAST_LEVER_METRES, 0.0]))
+        carried = rotate(new_turns[:, joint], tip) - rotate(turns[:, joint], tip)
+        of_tip = np.linalg.norm(change[:, joint] + carried, axis=-1)
+        distance[:, joint] = np.maximum(distance[:, joint], of_tip)
+    return distance
 
 
 def with_centimetres(

@@ -173,6 +173,30 @@ def test_the_command_of_a_finding_writes_what_the_page_shows(takes, tmp_path, ru
     assert part == before[:60] + whole[60:62] + before[62:]
 
 
+def test_only_what_is_repaired_or_accepted_is_applied(takes, tmp_path, capsys):
+    """By our name of a joint or the rig's; a head moves no joint, and is changed too."""
+    clean, found, out = takes / "clean.bvh", tmp_path / "found.json", tmp_path / "out.bvh"
+    words = ["repair", str(clean), "-o", str(out), "--mask", str(found)]
+    spike = {"frames": [40, 42], "kind": "spike", "status": "proposed"}
+    for joint in ("lradius", "left_elbow", "head"):
+        for entries, status in (
+            ([], 3),
+            ([spike | {"joint": joint}], 3),
+            ([spike | {"joint": joint, "accept": True}], 0),
+        ):
+            found.write_text(json.dumps(entries))
+            assert main(words) == status
+            assert (out.read_bytes() == clean.read_bytes()) == (status == 3)
+    for text, message in (
+        ('[{"joint": "head", "joint": "hips", "frames": [3, 4]}]', "'joint' is twice"),
+        ('[{"frames": [0, 9]}, {"joint": "lhand", "frames": [3, 4], "kind": "foot"}]', "entry 2"),
+        ('[{"joint": "body", "frames": [0, 89], "kind": "T-pose"}]', "ends before the last frame"),
+    ):
+        found.write_text(text)
+        assert main(words) == 2
+        assert message in capsys.readouterr().err
+
+
 def test_a_clean_file_comes_back_with_a_status_of_its_own_and_no_page(takes, tmp_path, capsys):
     out = tmp_path / "clean.bvh"
     words = ["repair", str(takes / "clean.bvh"), "-o", str(out), "--html", "--from", "optical"]

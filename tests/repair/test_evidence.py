@@ -133,7 +133,7 @@ def resized(motion, size):
 @pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
 def test_a_kick_of_ten_metres_a_second_is_left_and_a_jump_beside_it_is_not(rate, size):
     walk = make_take("walk", 77, seconds=5.0, rate=120.0).motion
-    kick = -100 * np.exp(-(((np.arange(len(walk)) / 120 - 2.0) / 0.12) ** 2))
+    kick = -100 * np.exp(-(((np.arange(len(walk)) / 120 - 2.0) / 0.08) ** 2))
     kick = turned(turned(walk, {"rfemur": kick}, "x"), {"rtibia": -0.7 * kick}, "x")
     kick = resized(replace(kick.at(slice(None, None, 120 // rate)), rate=float(rate)), size)
     assert repair(kick, None).motion is kick

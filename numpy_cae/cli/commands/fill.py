@@ -36,7 +36,8 @@ def run(args: argparse.Namespace) -> int:
             if findings is None:
                 missing = keyframe_mask(len(motion), args.keyframes)
             else:
-                missing = missing_joints(motion, findings)
+                accepted = [finding for finding in findings if finding.status == "repaired"]
+                missing = missing_joints(motion, accepted)
             filled = fill_motion(motion, manifold, missing)
             changed.write(motion, filled, target)
     return changed.status()

@@ -19,7 +19,7 @@ from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.repair import Finding
-from numpy_cae.repair.finding import marked
+from numpy_cae.repair.finding import marked, usable
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 
@@ -63,7 +63,7 @@ def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] |
     for number, entry in enumerate(_entries(args.mask) if args.mask else (), start=1):
         try:
             if isinstance(entry, dict) and "kind" in entry:
-                findings.append(Finding.from_json(entry))
+                findings.append(usable(motion, Finding.from_json(entry)))
             else:
                 findings += marked(_mask(*_parts(entry), motion))
         except ValueError as error:
@@ -91,12 +91,23 @@ def _mask(
 def _entries(path: Path) -> list:
     """The entries of a mask file."""
     try:
-        entries = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as error:
+        entries = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_once_each)
+    except (json.JSONDecodeError, RecursionError) as error:
         raise MotionFileError(path, getattr(error, "lineno", None), f"not JSON: {error}") from None
-    if not isinstance(entries, list) or not entries:
+    except ValueError as error:
+        raise MotionFileError(path, None, str(error)) from None
+    if not isinstance(entries, list):
         raise MotionFileError(path, None, f"expected a list such as {EXAMPLE}")
     return entries
+
+
+def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object; ValueError if a key is in it twice."""
+    entry = dict(pairs)
+    if len(entry) < len(pairs):
+        twice = next(key for key in entry if [name for name, _ in pairs].count(key) > 1)
+        raise ValueError(f"{twice!r} is twice in one entry")
+    return entry
 
 
 def _parts(entry: Any) -> tuple[list[str], list[str], list[int] | None]:
