@@ -177,13 +177,9 @@ def test_only_what_is_repaired_or_accepted_is_applied(takes, tmp_path, capsys):
     """By our name of a joint or the rig's; a head moves no joint, and is changed too."""
     clean, found, out = takes / "clean.bvh", tmp_path / "found.json", tmp_path / "out.bvh"
     words = ["repair", str(clean), "-o", str(out), "--mask", str(found)]
-    spike = {"frames": [40, 42], "kind": "spike", "status": "proposed"}
     for joint in ("lradius", "left_elbow", "head"):
-        for entries, status in (
-            ([], 3),
-            ([spike | {"joint": joint}], 3),
-            ([spike | {"joint": joint, "accept": True}], 0),
-        ):
+        proposed = {"joint": joint, "frames": [40, 42], "kind": "spike", "status": "proposed"}
+        for entries, status in (([], 3), ([proposed], 3), ([proposed | {"accept": True}], 0)):
             found.write_text(json.dumps(entries))
             assert main(words) == status
             assert (out.read_bytes() == clean.read_bytes()) == (status == 3)
