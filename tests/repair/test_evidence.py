@@ -124,18 +124,14 @@ def test_fast_motion_is_no_damage(walk):
     assert "displaced" not in {f.kind for f in mend(turned(walk, {"root": kick}, "y"))[1]}
 
 
-def resized(motion, size):
-    skeleton = motion.skeleton.scaled(size)
-    return replace(motion, skeleton=skeleton, translations=size * motion.translations)
-
-
 @pytest.mark.parametrize("rate", [24, 30, 60, 120])
 @pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
 def test_a_kick_of_ten_metres_a_second_is_left_and_a_jump_beside_it_is_not(rate, size):
     walk = make_take("walk", 77, seconds=5.0, rate=120.0).motion
     kick = -100 * np.exp(-(((np.arange(len(walk)) / 120 - 2.0) / 0.08) ** 2))
     kick = turned(turned(walk, {"rfemur": kick}, "x"), {"rtibia": -0.7 * kick}, "x")
-    kick = resized(replace(kick.at(slice(None, None, 120 // rate)), rate=float(rate)), size)
+    kick = replace(kick.at(slice(None, None, 120 // rate)), skeleton=kick.skeleton.scaled(size))
+    kick = replace(kick, rate=float(rate), translations=size * kick.translations)
     assert repair(kick, None).motion is kick
     away = slice(4 * rate, 4 * rate + rate // 24)
     repaired = repair(turned(kick, {"lhumerus": 60.0}, "z", away), None).motion
