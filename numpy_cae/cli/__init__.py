@@ -11,6 +11,7 @@ import argparse
 import logging
 import os
 import re
+import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Sequence
@@ -31,12 +32,13 @@ def _first_sentence(name: str) -> str:
     return " ".join(source.split('"""')[1].split()).split(". ")[0]
 
 
-SUBCOMMANDS = {
-    name: _first_sentence(name)
-    for name in (
-        "demo download train repair fill interpolate compare sample rig show lessons verify"
-    ).split()
+GROUPS = {
+    "to begin with": "demo",
+    "motion files": "repair fill show rig",
+    "networks": "train download interpolate compare sample",
+    "lessons and checks": "lessons verify",
 }
+SUBCOMMANDS = {name: _first_sentence(name) for names in GROUPS.values() for name in names.split()}
 """Each subcommand, which is the module of that name, with its help in one sentence."""
 
 
@@ -78,7 +80,7 @@ def _run(argv: Sequence[str] | None) -> int:
         return 1
     except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
         problem = f"not enough memory. {error}" if isinstance(error, MemoryError) else error
-        print(f"numpy-cae {command}: {problem}", file=sys.stderr)
+        print(f"numpy-cae {command or ''}".rstrip() + f": {problem}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as interrupt:
         state = str(interrupt) or "nothing more was written"
@@ -89,18 +91,36 @@ def _run(argv: Sequence[str] | None) -> int:
 def _parser(chosen: str | None) -> argparse.ArgumentParser:
     """The parser, with the options of the subcommand `chosen` and of no other."""
     parser = _Parser(
-        "numpy-cae", description="Motion manifolds in NumPy, every derivative by hand."
+        "numpy-cae",
+        usage="numpy-cae [-h] [--version] COMMAND ...",
+        description=_overview(),
+        epilog="example: numpy-cae demo\n\n`numpy-cae COMMAND --help` prints options and examples.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"numpy-cae {__version__}")
-    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    subparsers = parser.add_subparsers(
+        prog="numpy-cae", dest="command", required=True, metavar="COMMAND", help=argparse.SUPPRESS
+    )
     if chosen is not None and chosen not in SUBCOMMANDS:
         parser.refuse(chosen, SUBCOMMANDS)
-    for name, help_line in SUBCOMMANDS.items():
+    for name in SUBCOMMANDS:
         if name == chosen:
             _add_subcommand(subparsers, name)
         else:
-            subparsers.add_parser(name, help=help_line, add_help=False)
+            subparsers.add_parser(name, add_help=False)
     return parser
+
+
+def _overview() -> str:
+    """The subcommands in groups, each with its sentence."""
+    columns = min(shutil.get_terminal_size().columns, 100) - 1
+    lines = ["Motion manifolds in NumPy, every derivative by hand."]
+    for group, names in GROUPS.items():
+        lines.append(f"\n{group}:")
+        for name in names.split():
+            text = f"  {name:<13}{SUBCOMMANDS[name]}"
+            lines.append(textwrap.fill(text, columns, subsequent_indent=" " * 15))
+    return "\n".join(lines).replace("%", "%%")
 
 
 def subcommand_parser(name: str) -> argparse.ArgumentParser:
@@ -111,11 +131,11 @@ def subcommand_parser(name: str) -> argparse.ArgumentParser:
 def _add_subcommand(subparsers, name: str) -> argparse.ArgumentParser:
     """A subcommand's parser, from its module."""
     module = import_module(f"numpy_cae.cli.commands.{name}")
+    columns = min(shutil.get_terminal_size().columns, 81) - 2
     description, _, examples = (module.__doc__ or "").partition("\n\nexample")
     subparser = subparsers.add_parser(
         name,
-        help=SUBCOMMANDS[name],
-        description=textwrap.fill(description, 79).replace("%", "%%"),
+        description=textwrap.fill(description, columns).replace("%", "%%"),
         epilog=f"example{examples}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

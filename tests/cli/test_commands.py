@@ -30,7 +30,7 @@ def test_help_lists_every_subcommand_and_imports_none():
         "try: main(['--help'])\nexcept SystemExit: print(*sys.modules)"
     )
     printed = run_python("-c", code).stdout
-    indented = {line.split()[0] for line in printed.splitlines() if line.startswith("    ")}
+    indented = {line.split()[0] for line in printed.splitlines() if line.startswith("  ")}
     assert set(SUBCOMMANDS) <= indented
     assert "Repair the damaged joints and frames" in printed
     heavy = {"numpy", "scipy", "torch", "data_synth", "numpy_cae.cli.commands.train"}

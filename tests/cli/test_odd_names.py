@@ -1,6 +1,7 @@
 """Names that disturb: of files, joints and folders; output that is closed or strict."""
 
 import csv
+import io
 import os
 import shutil
 import subprocess
@@ -11,6 +12,7 @@ from acclaim_files import AMC, ASF, write_acclaim
 
 from data_synth import make_take
 from numpy_cae.cli import main
+from numpy_cae.cli.shared.output import VisibleStream
 from numpy_cae.mocap import load_motion, write_bvh
 
 HOSTILE = "a\x1b[2J\u202e.bvh"
@@ -62,6 +64,23 @@ def test_a_closed_output_is_no_error(walks):
     words = [sys.executable, "-m", "numpy_cae", "rig", str(walks / "walk_0.bvh")]
     closed = subprocess.run(["/bin/sh", "-c", 'exec "$@" >&-', "sh", *words], stderr=-1)
     assert (closed.returncode, closed.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize(
+    ("no_color", "start"), [("", "\x1b[1mtake.bvh:\x1b[0m"), ("1", "take.bvh:")]
+)
+def test_a_terminal_gets_short_lines_in_its_encoding(monkeypatch, no_color, start):
+    terminal = type(
+        "Terminal", (io.StringIO,), {"encoding": "ascii", "isatty": lambda self: True}
+    )()
+    for name, value in {"COLUMNS": "24", "NO_COLOR": no_color, "TERM": "xterm"}.items():
+        monkeypatch.setenv(name, value)
+    print(
+        "take.bvh: turned by 62° and back\n| a row of a table | is kept |",
+        file=VisibleStream(terminal),
+    )
+    shown = f"{start} turned by\n    62\\xb0 and back\n| a row of a table | is kept |\n"
+    assert terminal.getvalue() == shown
 
 
 def test_no_cell_is_a_formula(walks, model, tmp_path, run):

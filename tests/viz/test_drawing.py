@@ -30,8 +30,7 @@ def test_the_camera(point, azimuth, elevation, expected):
 def test_a_bone_for_each_joint_but_the_root():
     points = np.arange(60.0).reshape(20, 3)
     lines = bones(points, PARENTS)
-    assert lines.shape == (19, 2, 3)
-    np.testing.assert_array_equal(lines[0], [points[PARENTS[1]], points[1]])
+    assert len(lines) == 19 and np.all(lines[0] == [points[PARENTS[1]], points[1]])
 
 
 def test_a_strip_has_a_row_for_each_motion_and_cuts_nothing_off():
@@ -42,10 +41,8 @@ def test_a_strip_has_a_row_for_each_motion_and_cuts_nothing_off():
         times = [text.get_text() for text in axes.texts if text.get_text().endswith(" s")]
         assert times == ["0.0 s", "0.2 s", "0.5 s", "0.7 s", "1.0 s"]
 
-    one_frame = strip_figure([actor(frames=1)], rate=30)
-    assert len(one_frame.axes[0].collections) == 1
-
-    axes = one_frame.axes[0]
+    axes = strip_figure([actor(frames=1)], rate=30).axes[0]
+    assert len(axes.collections) == 1
     points = np.concatenate([line for c in axes.collections for line in c.get_segments()])
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     assert left < points[:, 0].min() and points[:, 0].max() < right

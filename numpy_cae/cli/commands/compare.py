@@ -1,7 +1,8 @@
 """Compute the distance G (equation 4 of holden2015) between every two motions, and print the
 nearest motion of each. G depends on what happens in a motion, not on when it happens.
 
-example: numpy-cae compare motions/ -o matrix.csv --picture m.png
+example, with the files that `numpy-cae demo` writes:
+  numpy-cae compare demo/ -o matrix.csv --picture matrix.png
 """
 
 import argparse

@@ -3,7 +3,7 @@ axis, the floor, the unit and the frame rate. With -o, also write the names of t
 which can be corrected and given to other commands with --mapping.
 
 examples:
-  numpy-cae rig walk.bvh
+  numpy-cae rig demo/true.bvh
   numpy-cae rig unknown.bvh -o mapping.json
   numpy-cae repair unknown.bvh -o fixed.bvh --mapping mapping.json
 """

@@ -2,7 +2,8 @@
 windows of the motions in --data; the uniform prior needs no data, but its samples hardly resemble
 motion. A sequential model draws clips of its own length from its own prior.
 
-example: numpy-cae sample --data motions/ -o new.bvh --number 3 --like take.bvh --html
+example, with the files that `numpy-cae demo` writes:
+  numpy-cae sample --data demo/ -o new.bvh --number 3 --like demo/true.bvh --html
 """
 
 import argparse

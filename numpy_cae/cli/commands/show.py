@@ -1,9 +1,9 @@
 """Draw motion files: a strip of poses of each as a PNG file, named after the motion file; or with
 --html one page that plays all motions in 3D, side by side or overlaid, in any browser.
 
-examples:
-  numpy-cae show walk.bvh -o pictures
-  numpy-cae show damaged.bvh fixed.bvh --html
+examples, with the files that `numpy-cae demo` writes:
+  numpy-cae show demo/damaged.bvh -o pictures
+  numpy-cae show demo/damaged.bvh demo/repaired.bvh -o both.html
 """
 
 import argparse

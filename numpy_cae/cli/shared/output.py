@@ -1,8 +1,11 @@
 """Output of the commands: messages on standard error, text files."""
 
 import os
+import re
+import shutil
 import sys
 import tempfile
+import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -16,19 +19,47 @@ from numpy_cae.visible import visible
 Item = TypeVar("Item")
 
 
+BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
+"""BOLD, PLAIN: what a terminal takes to print bold, and to end that."""
+
+
 class VisibleStream:
-    """A text stream whose writing makes every character visible, whatever names are printed."""
+    """A text stream whose writing makes every character visible, whatever names are printed: as an
+    escape if the stream's encoding lacks it. In a terminal, lines are wrapped to its width, and the
+    file or command with which a line begins is bold, unless the variable NO_COLOR is set.
+    """
 
     def __init__(self, stream: TextIO | None):
         """Wrap `stream`; None, which Python gives for a closed one, takes everything."""
         self.stream = stream or open(os.devnull, "w", encoding="utf-8")
+        self.columns = shutil.get_terminal_size().columns if self.stream.isatty() else 0
+        is_plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb" or os.name == "nt"
+        self.is_bold = bool(self.columns) and not is_plain
 
     def write(self, text: str) -> int:
         begin = "\r" * text.startswith("\r")  # of a progress bar
-        return self.stream.write(begin + visible(text.removeprefix("\r")))
+        encoding = self.stream.encoding or "utf-8"
+        shown = visible(text.removeprefix("\r")).encode(encoding, "backslashreplace")
+        return self.stream.write(begin + self._laid_out(shown.decode(encoding)))
+
+    def _laid_out(self, text: str) -> str:
+        if self.columns:
+            text = "\n".join(wrapped(line, self.columns) for line in text.split("\n"))
+        if self.is_bold:
+            text = re.sub(r"^(\S[^|\n]*?:)(?=\s)", rf"{BOLD}\1{PLAIN}", text, flags=re.MULTILINE)
+        return text
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
+
+
+def wrapped(line: str, columns: int) -> str:
+    """A line in lines of at most so many columns, the later ones indented; rows of tables as they
+    are."""
+    if len(line) <= columns or line.startswith("|"):
+        return line
+    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    return textwrap.fill(line, columns, subsequent_indent=indent, break_on_hyphens=False)
 
 
 @contextmanager
