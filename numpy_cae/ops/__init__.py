@@ -6,19 +6,12 @@ each differentiated argument, in the order of the arguments: a bare array for on
 several. Nothing has state. This package imports nothing of the project.
 """
 
-from numpy_cae.ops.activations import arctanh as arctanh
-from numpy_cae.ops.activations import sigmoid as sigmoid
-from numpy_cae.ops.activations import tanh as tanh
-from numpy_cae.ops.convolution import conv1d as conv1d
-from numpy_cae.ops.convolution import transpose_filters as transpose_filters
-from numpy_cae.ops.gru import gru as gru
-from numpy_cae.ops.gru import gru_step as gru_step
-from numpy_cae.ops.linear import linear as linear
-from numpy_cae.ops.losses import mean_absolute as mean_absolute
-from numpy_cae.ops.losses import mean_squared_error as mean_squared_error
-from numpy_cae.ops.pooling import max_pool as max_pool
-from numpy_cae.ops.pooling import unpool_even as unpool_even
-from numpy_cae.ops.pooling import unpool_random as unpool_random
-from numpy_cae.ops.wasserstein import sliced_wasserstein as sliced_wasserstein
+from numpy_cae.ops.activations import arctanh, sigmoid, tanh
+from numpy_cae.ops.convolution import conv1d, transpose_filters
+from numpy_cae.ops.gru import gru, gru_step
+from numpy_cae.ops.linear import linear
+from numpy_cae.ops.losses import mean_absolute, mean_squared_error
+from numpy_cae.ops.pooling import max_pool, unpool_even, unpool_random
+from numpy_cae.ops.wasserstein import sliced_wasserstein
 
 __all__ = [name for name in dir() if not name.startswith("_")]

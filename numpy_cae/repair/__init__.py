@@ -9,15 +9,12 @@ from types import ModuleType
 
 from numpy_cae.manifold import MotionManifold, starter
 from numpy_cae.motion import Motion
-from numpy_cae.repair.finding import Finding as Finding
-from numpy_cae.repair.finding import write_findings as write_findings
-from numpy_cae.repair.presets import PRESETS as PRESETS
-from numpy_cae.repair.presets import Preset as Preset
-from numpy_cae.repair.project_motion import project_motion as project_motion
-from numpy_cae.repair.repair import fill_motion as fill_motion
-from numpy_cae.repair.repair import repair as repair
-from numpy_cae.repair.repaired import Repaired as Repaired
-from numpy_cae.repair.unlikely import find_unlikely as find_unlikely
+from numpy_cae.repair.finding import Finding, write_findings
+from numpy_cae.repair.presets import PRESETS, Preset
+from numpy_cae.repair.project_motion import project_motion
+from numpy_cae.repair.repair import fill_motion, repair
+from numpy_cae.repair.repaired import Repaired
+from numpy_cae.repair.unlikely import find_unlikely
 
 
 class _CallablePackage(ModuleType):

@@ -6,13 +6,12 @@ An operation is a function that returns its value and its pullback. `check_gradi
 tests an operation for all of it, and `numpy-cae verify student.py` a file, in a process of its own.
 """
 
-from numpy_cae.verify.checks.adjoint import check_adjoint as check_adjoint
-from numpy_cae.verify.checks.gradients import check_gradients as check_gradients
-from numpy_cae.verify.grading.report import report as report
-from numpy_cae.verify.operations.catalogue import properties as properties
-from numpy_cae.verify.operations.example import example as example
-from numpy_cae.verify.operations.own_operation import operation_test as operation_test
-from numpy_cae.verify.operations.own_operation import properties_of as properties_of
-from numpy_cae.verify.operations.trial import check_property as check_property
+from numpy_cae.verify.checks.adjoint import check_adjoint
+from numpy_cae.verify.checks.gradients import check_gradients
+from numpy_cae.verify.grading.report import report
+from numpy_cae.verify.operations.catalogue import properties
+from numpy_cae.verify.operations.example import example
+from numpy_cae.verify.operations.own_operation import operation_test, properties_of
+from numpy_cae.verify.operations.trial import check_property
 
 __all__ = [name for name in dir() if not name.startswith("_")]

@@ -112,7 +112,7 @@ def test_guesses_are_logged_and_what_is_odd_is_warned_about_once(tmp_path, caplo
     path = tmp_path / "walk.bvh"
     write_bvh(WALK, path, unit=0.01)
     path.write_text(path.read_text().replace("Frames: 30", f"Frames: {frames}"))
-    caplog.set_level(logging.INFO, logger="numpy_cae.mocap")
+    caplog.set_level(logging.INFO, logger="numpy_cae.mocap.load")
     note = load_motion(path).note
     assert [(r.levelname, r.message) for r in caplog.records] == [(level, f"{path}: {note}")]
 
