@@ -16,7 +16,7 @@ from PIL import Image, PngImagePlugin
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.copies import choose_lessons
-from numpy_cae.course.notebook import read_notebook
+from numpy_cae.course.notebook import number_of, read_notebook
 
 TAG, MADE_OF = "gallery", "made of"
 WIDTH, HEIGHT = 480, 320  # pixels at most
@@ -54,7 +54,7 @@ def write_picture(notebook: dict, lesson: str | Path) -> Path:
 def picture_path(lesson: str | Path) -> Path:
     """lessons/pictures/03.png for lessons/03_convolution_by_hand.ipynb."""
     lesson = Path(lesson)
-    return lesson.parent / "pictures" / f"{lesson.name[:2]}.png"
+    return lesson.parent / "pictures" / f"{number_of(lesson)}.png"
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ def as_gift(quiz: str) -> str:
         for line in lines:
             if asked := re.fullmatch(r"(\d+)\. (.+) → (.+)", line):
                 place, question, answer = asked.groups()
-                name = f"{title[:2]}.{place}"
+                name = f"{title.partition(' ')[0]}.{place}"
                 number = NUMBER.fullmatch(answer)
                 plain = number[1].replace("−", "-").replace(" ", "") if number else ""
                 answers = f"#{plain}" + ":0.0005" * ("." in plain) if plain else ""

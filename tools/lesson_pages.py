@@ -18,9 +18,9 @@ from textwrap import shorten
 TEXTS = {"title", "set_title", "suptitle", "xlabel", "ylabel", "set_xlabel", "set_ylabel", "label",
          "annotate", "text", "xticklabels", "set_xticklabels", "LiveCurve", "Actor"}  # fmt: skip
 """Names of functions and arguments of Matplotlib and `numpy_cae.viz` whose strings are shown."""
-ROW = re.compile(r"^\| \[(\d\d) ([^]]+)\]\((\w+)\.ipynb\)" + 4 * r" *\| *(.*?)" + r" *\|$", re.M)
+ROW = re.compile(r"^\| \[(\d\db?) ([^]]+)\]\((\w+)\.ipynb\)" + 4 * r" *\| *(.*?)" + r" *\|$", re.M)
 """A line of the table: number, title, file, what one writes, source, minutes, what it needs."""
-PICTURE = re.compile(r'<img src="pictures/(\d\d)\.png" alt="\d\d: ([^"]*)"')
+PICTURE = re.compile(r'<img src="pictures/(\d\db?)\.png" alt="\d\db?: ([^"]*)"')
 CARD = """<li><img src="../_static/{number}.png" alt="PICTURE">
 <a href="{file}.html">{number} TITLE</a><p>You write WRITES.</p>
 <p class="quiet">{minutes} minutes, needs {needs}</p></li>"""
@@ -47,7 +47,10 @@ def write_lessons(
             shutil.copy2(path, downloads / name / path.name)
     for path in sorted(lessons.glob("[0-9]*.ipynb")):
         notebook = json.loads(path.read_text(encoding="utf-8"))
-        write(site / path.name, json.dumps(_article(notebook, path.name, pictures[path.name[:2]])))
+        write(
+            site / path.name,
+            json.dumps(_article(notebook, path.name, pictures[path.name.partition("_")[0]])),
+        )
 
 
 def _article(notebook: dict, name: str, gallery: str) -> dict:

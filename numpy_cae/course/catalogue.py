@@ -16,31 +16,35 @@ from numpy_cae.verify.operations.catalogue import Exercise
 from numpy_cae.verify.operations.property import Property
 
 EXERCISES_IN = "numpy_cae.course.exercises"
+NUMBERS = "00 01 02 03 04 05 06 07 07b 08 09 10 11 12 13 14".split()
 SHOWN_BY = {VERDICTS.operation: VERDICTS}
 """SHOWN_BY: what shows which mistake an exercise has, where a property that fails does not."""
-EASY_POINTS, MEDIUM_POINTS, HARD_POINTS = 10, 20, 40
 SHARES = {0: 0.4, 1: 0.4, 2: 0.2}
 """SHARES: the parts of an exercise's points for its value, its gradients and the rest. If an
 exercise has no gradients or no rest, the value has their part, too."""
+TRIVIAL = frozenset("sgd_step unit_rows conv1d_unfolded conv1d_shifted".split())
 EASY = frozenset(
-    "square chain_to_root speeds conv1d_by_loops unfold pooled_again tanh zero_values sgd_step "
-    "frames_seen stage_inputs fill_unknown norms_through_time sigmoid clip_gradients unit_rows "
-    "adjoint_gap conv1d_unfolded conv1d_shifted".split()
+    "square chain_to_root speeds conv1d_by_loops unfold pooled_again tanh mean_squared_error "
+    "mean_absolute zero_values frames_seen stage_inputs momentum_step one_cycle fill_unknown "
+    "norms_through_time sigmoid clip_gradients adjoint_gap".split()
 )
 HARD = frozenset(
     "forward_kinematics conv1d layer_loss stack_loss gru_step gru self_fed check_gradients "
-    "conv1d_by_blocks".split()
+    "block_matrices conv1d_by_blocks".split()
 )
+POINTS = dict.fromkeys(TRIVIAL, 5) | dict.fromkeys(EASY, 10) | dict.fromkeys(HARD, 40)
+"""POINTS: what an exercise earns; those that are not listed are of medium difficulty."""
+MEDIUM_POINTS = 20
 
 
 def with_points(exercise: Exercise) -> Exercise:
-    """The exercise with the points of its difficulty: easy, hard, or else medium.
+    """The exercise with the points of its difficulty.
 
     Properties of one group of `SHARES` have equal points, except that "value" has as many as all
     others of its group together.
     """
     name = exercise.name
-    total = EASY_POINTS if name in EASY else HARD_POINTS if name in HARD else MEDIUM_POINTS
+    total = POINTS.get(name, MEDIUM_POINTS)
     groups = [stated.group for stated in exercise.properties]
     shares = {group: SHARES[group] for group in set(groups)}
     shares[0] += 1 - sum(shares.values())
@@ -70,7 +74,7 @@ def diagnosis(exercise: Exercise) -> Callable[[Property, Callable], str]:
 
 LESSONS: dict[str, tuple[Exercise, ...]] = {
     number: tuple(map(with_points, import_module(f"{EXERCISES_IN}.lesson_{number}").EXERCISES))
-    for number in (f"{n:02}" for n in range(15))
+    for number in NUMBERS
 }
 
 EXERCISES: dict[str, Exercise] = {

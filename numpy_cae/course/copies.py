@@ -12,7 +12,13 @@ from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.mine import EMPTY, FILE
-from numpy_cae.course.notebook import as_text, find_lessons, read_notebook, write_notebook
+from numpy_cae.course.notebook import (
+    as_text,
+    find_lessons,
+    number_of,
+    read_notebook,
+    write_notebook,
+)
 from numpy_cae.verify.grading.submission import is_exercise
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
@@ -54,10 +60,10 @@ def _without_solutions(cell: dict) -> str:
 def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:
     """The lessons in a folder with these numbers, or all; ValueError if one is missing."""
     lessons = find_lessons(folder)
-    if missing := set(numbers) - {path.name[:2] for path in lessons}:
-        there = ", ".join(path.name[:2] for path in lessons)
+    if missing := set(numbers) - {number_of(path) for path in lessons}:
+        there = ", ".join(number_of(path) for path in lessons)
         raise ValueError(f"no lesson {', '.join(sorted(missing))} in {folder}; there are {there}")
-    return [path for path in lessons if not numbers or path.name[:2] in numbers]
+    return [path for path in lessons if not numbers or number_of(path) in numbers]
 
 
 def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool]]:

@@ -11,12 +11,17 @@ def find_lessons(folder: str | Path) -> list[Path]:
 
     Raises a FileNotFoundError if there are none.
     """
-    lessons = sorted(Path(folder).glob("[0-9][0-9]_*.ipynb"))
+    lessons = sorted(Path(folder).glob("[0-9][0-9]*_*.ipynb"))
     if not lessons:
         raise FileNotFoundError(
             f"no lessons in {folder}: they are in the folder lessons of a clone of the repository"
         )
     return lessons
+
+
+def number_of(lesson: Path) -> str:
+    """03 of 03_convolution_by_hand.ipynb, 07b of 07b_better_steps.ipynb."""
+    return lesson.name.partition("_")[0]
 
 
 def read_notebook(path: str | Path) -> dict:

@@ -15,6 +15,7 @@ ADD_UP_TO = {
     "05": "a layer of the first paper",
     "06": "its training",
     "07": "the whole network of the first paper",
+    "07b": "optimisers that train it in seconds",
     "08": "repair, filling, comparing, and the linear baseline",
     "09": "a GRU through time",
     "10": "the autoencoder of the second paper",

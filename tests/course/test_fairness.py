@@ -18,7 +18,7 @@ from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.copies import student_copy
 from numpy_cae.course.mine import run
-from numpy_cae.course.notebook import find_lessons, read_notebook
+from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
@@ -63,7 +63,7 @@ def test_a_lesson_is_solved_with_the_solutions_of_earlier_ones_alone(path):
         key = CATALOGUE[cell["metadata"]["nbgrader"]["grade_id"]].solution
         if key.__module__.startswith("numpy_cae.course.solutions."):
             assert statements(cell["source"]) == statements(inspect.getsource(key))
-    for each in LESSONS[path.name[:2]]:
+    for each in LESSONS[number_of(path)]:
         assert holds(few(each.name, 24), space[each.name]), each.name
     stubs = filter(is_exercise, student_copy(read_notebook(path))["cells"])
     assert all(stub["source"].count("raise NotImplementedError") == 1 for stub in stubs)

@@ -18,7 +18,7 @@ from numpy_cae.course.marks.feedback import write_feedback
 from numpy_cae.course.marks.handed_in import find_files, handed_in
 from numpy_cae.course.marks.roster import read_roster
 from numpy_cae.course.marks.tables import write_tables
-from numpy_cae.course.notebook import find_lessons, read_notebook
+from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.student_file import FileReport, grade
 
 ENCODE = """
@@ -135,7 +135,7 @@ def test_every_operation_that_a_lesson_imports_is_given(path):
         if isinstance(node, ast.ImportFrom) and node.module in ("numpy_cae.ops", "mine")
         for alias in node.names
     }
-    given = {name for exercise in LESSONS[path.name[:2]] for name in exercise.given}
+    given = {name for exercise in LESSONS[number_of(path)] for name in exercise.given}
     assert imported - IN_NO_EXERCISE <= given
 
 

@@ -12,7 +12,7 @@ from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.catalogue import LESSONS as EXERCISES_OF
 from numpy_cae.course.copies import student_copy
-from numpy_cae.course.notebook import find_lessons, read_notebook
+from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
 from tools.execute_lessons import execute, mine_before, source_hash
@@ -57,7 +57,7 @@ def pictures(notebook: dict) -> tuple[int, int]:
 def test_stored_as_executed(path):
     notebook = read_notebook(path)
     assert notebook["metadata"]["numpy_cae"]["source_hash"] == source_hash(notebook), (
-        f"the outputs are older than the source: python -m tools.execute_lessons {path.name[:2]}"
+        f"the outputs are older than the source: python -m tools.execute_lessons {number_of(path)}"
     )
     assert path.stat().st_size < LARGEST
     drawn, moving = pictures(notebook)
@@ -71,7 +71,7 @@ def test_stored_as_executed(path):
 
 @every_lesson
 def test_its_picture_in_the_gallery_is_of_its_outputs(path):
-    picture, number = picture_path(path), path.name[:2]
+    picture, number = picture_path(path), number_of(path)
     shown = hashlib.sha256(picture_of(read_notebook(path))).hexdigest()
     with Image.open(picture) as stored:
         assert stored.info[MADE_OF] == shown, f"run: python -m tools.gallery {number}"
@@ -110,7 +110,7 @@ def test_long_plots_are_folded_and_what_prose_explains_can_be_tried_by_hand(path
             folded = cell["metadata"].get("jupyter", {}).get("source_hidden")
             assert folded or cell["source"].count("\n") < 12, cell["source"]
     figures = [shown(cell, "text/plain") for cell in code]
-    assert (path.name[:2] in SLIDERS) == any("figure with sliders" in text for text in figures)
+    assert (number_of(path) in SLIDERS) == any("figure with sliders" in text for text in figures)
     assert "functions are yours" in "".join(code[-1]["outputs"][0]["text"])
 
 
@@ -171,7 +171,7 @@ def test_the_student_copy_runs_and_every_check_fails(path):
 def test_a_grader_gives_all_points_to_the_solutions_and_none_to_the_stubs(path, tmp_path):
     solved = grade(path, catalogue)
     assert solved.held and solved.points == solved.possible, str(solved)
-    assert [r.operation for r in solved.reports] == [e.name for e in EXERCISES_OF[path.name[:2]]]
+    assert [r.operation for r in solved.reports] == [e.name for e in EXERCISES_OF[number_of(path)]]
     unsolved = tmp_path / path.name
     unsolved.write_text(json.dumps(student_copy(read_notebook(path))), encoding="utf-8")
     report = grade(unsolved, catalogue)

@@ -8,7 +8,7 @@ import pytest
 
 from numpy_cae.cli import main
 from numpy_cae.course.copies import student_copy
-from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
+from numpy_cae.course.notebook import find_lessons, number_of, read_notebook, write_notebook
 
 LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
 HEAD = 'def double(x):\n    """Twice x."""\n    '
@@ -80,7 +80,9 @@ def test_the_package_has_the_students_copies_of_all_lessons(tmp_path):
     assert main(["lessons", str(tmp_path)]) == 0
     assert [path.name for path in find_lessons(tmp_path)] == [path.name for path in LESSONS]
     for path in LESSONS:
-        again = f"python -m tools.execute_lessons --store {path.name[:2]} writes the package's copy"
+        again = (
+            f"python -m tools.execute_lessons --store {number_of(path)} writes the package's copy"
+        )
         assert read_notebook(tmp_path / path.name) == student_copy(read_notebook(path)), again
 
 

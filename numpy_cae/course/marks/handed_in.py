@@ -73,7 +73,7 @@ def handed_in(file: Path, place: PurePosixPath, student: str = "", fault: str = 
         whose = f"{parts['name']} {parts['number']}"
         return HandedIn(file, whose, called, _lesson(name), bool(parts.get("late")), fault)
     if len(place.parts) == 1 and not student:
-        label = re.sub(rf"^\d\d_|_{_lesson(name) or '-'}$", "", name) or name
+        label = re.sub(rf"^\d\db?_|_{_lesson(name) or '-'}$", "", name) or name
         student = file.absolute().parent.name if _is_lesson(name) else label
     student = student or folder
     return HandedIn(file, student, (student,), _lesson(name), fault=fault)
