@@ -1,12 +1,13 @@
-"""Write a deck of slides for each lesson, from the cells that are tagged "slide".
-
-nbconvert makes the HTML of the cells; the decks need no network, since MathJax is copied beside
-them from `sphinx-mathjax-offline` (`pip install '.[docs]'`). Of a text cell a slide has a heading,
-the first sentence below it, the displayed formulas and the tables; of a code cell what it shows,
-animations and figures with sliders too. Arrow keys and the space bar turn the slides; printed, each
-slide has a page of its own.
+"""Write a deck of slides for each lesson from its text in `lessons/slides`.
 
     python -m tools.slides slides/ 03 05        (without numbers: every lesson)
+
+The text of a deck is Markdown: slides stand between lines of `---`, and each begins with a heading.
+`![what is seen](cell-id)` shows the picture, the animation or the figure with sliders of the
+lesson's cell with this id, as it is stored in the executed notebook. Formulas are TeX. A deck needs
+no network, since MathJax is copied beside it from `sphinx-mathjax-offline`
+(`pip install '.[docs]'`). Arrow keys and the space bar turn the slides; printed, each slide has a
+page of its own.
 """
 
 import re
@@ -16,55 +17,58 @@ from html import escape
 from importlib.util import find_spec
 from pathlib import Path
 
-import nbformat
-from nbconvert import HTMLExporter
-
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.copies import choose_lessons
-from numpy_cae.course.notebook import read_notebook
+from numpy_cae.course.notebook import number_of, read_notebook
 
-TAG = "slide"
-MATHJAX = "tex-svg-full.js"
+LESSONS = Path(__file__).parents[1] / "lessons"
 PAGE = Path(__file__).with_name("slides.html")
+MATHJAX = "tex-svg-full.js"
+PICTURE = re.compile(r"!\[([^]]*)\]\(([\w-]+)\)")
 
 
-def shortened(text: str) -> list[str]:
-    """The slides of a text cell: one for each of its headings, and what stands before the first."""
-    text = re.sub(r"<details>.*?</details>", "", text, flags=re.DOTALL)
-    text = re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", text)  # a deck has no other pages
-    parts = re.split(r"^(?=#{1,3} )", text, flags=re.MULTILINE)
-    slides = []
-    for part in filter(str.strip, parts):
-        heading, _, rest = part.partition("\n") if part.startswith("#") else ("", "", part)
-        formulas = re.findall(r"\$\$.*?\$\$", rest, flags=re.DOTALL)
-        tables = re.findall(r"(?:^\|.*\n?)+", rest, flags=re.MULTILINE)
-        goals = re.findall(r"^- \*\*(?:Goal|Time).*(?:\n  .*)*", rest, flags=re.MULTILINE)
-        prose = re.sub(r"\$\$.*?\$\$|(?:^\|.*\n?)+|^- .*", "", rest, flags=re.DOTALL | re.MULTILINE)
-        first = re.match(r".*?[.:?!](?=\s|$)", prose.strip(), flags=re.DOTALL)
-        sentence = [first[0]] if first and heading else []
-        if heading or formulas or tables:
-            slides.append("\n\n".join([heading, *sentence, *goals, *formulas, *tables]))
-    return slides
+def slides_of(lesson: Path) -> list[str]:
+    """The slides of a lesson, as Markdown."""
+    text = (lesson.parent / "slides" / f"{number_of(lesson)}.md").read_text(encoding="utf-8")
+    return [slide.strip() for slide in re.split(r"^---$", text, flags=re.MULTILINE)]
 
 
-def deck(notebook: dict, title: str) -> str:
-    """The page of a lesson's slides."""
-    exporter = HTMLExporter(template_name="basic", exclude_input=True, exclude_output_prompt=True)
-    slides: list[list] = [[]]
+def shown(notebook: dict, cell_id: str, what: str) -> str:
+    """What a cell shows, as HTML; a ValueError if the lesson has no such cell, or it shows none."""
     for cell in notebook["cells"]:
-        if TAG not in cell["metadata"].get("tags", ()):
-            continue
-        if cell["cell_type"] == "markdown":
-            slides += [[nbformat.v4.new_markdown_cell(text)] for text in shortened(cell["source"])]
-        else:
-            shown = nbformat.from_dict({**cell, "metadata": {}})
-            slides[-1].append(shown) if len(slides[-1]) == 1 else slides.append([shown])
+        if cell["id"] == cell_id:
+            for output in reversed(cell.get("outputs", ())):
+                data = output.get("data", {})
+                if "image/png" in data:
+                    png = "".join(data["image/png"]).replace("\n", "")
+                    return f'<img alt="{escape(what)}" src="data:image/png;base64,{png}">'
+                if "text/html" in data:
+                    return "".join(data["text/html"])
+    raise ValueError(f"no cell {cell_id!r} shows a picture")
+
+
+def deck(lesson: Path) -> str:
+    """The page of a lesson's slides."""
+    from markdown_it import MarkdownIt
+    from mdit_py_plugins.dollarmath import dollarmath_plugin
+
+    notebook = read_notebook(lesson)
+    markdown = MarkdownIt("commonmark", {"html": True}).enable("table")
+    markdown.use(dollarmath_plugin, renderer=_formula)
     pages = []
-    for cells in filter(None, slides):
-        body, _ = exporter.from_notebook_node(nbformat.v4.new_notebook(cells=cells))
-        pages.append(f"<section>{body}</section>")
-    page = PAGE.read_text(encoding="utf-8").replace("@title@", escape(title))
+    for slide in slides_of(lesson):
+        text = PICTURE.sub(lambda found: f"PICTURE-{found[2]}", slide)
+        page = markdown.render(text)
+        for what, cell_id in PICTURE.findall(slide):
+            page = page.replace(f"PICTURE-{cell_id}", shown(notebook, cell_id, what))
+        pages.append(f"<section>{page}</section>")
+    page = PAGE.read_text(encoding="utf-8").replace("@title@", escape(lesson.stem))
     return page.replace("@mathjax@", MATHJAX).replace("@slides@", "\n".join(pages))
+
+
+def _formula(text: str, options: dict) -> str:
+    mark = r"\[{}\]" if options["display_mode"] else r"\({}\)"
+    return escape(mark.format(text))
 
 
 def write_decks(folder: Path, numbers: list[str]) -> None:
@@ -74,13 +78,13 @@ def write_decks(folder: Path, numbers: list[str]) -> None:
         raise SystemExit("the slides need MathJax: pip install '.[docs]'")
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(Path(offline.origin).parent / "static" / "mathjax" / MATHJAX, folder / MATHJAX)
-    for path in choose_lessons(Path(__file__).parents[1] / "lessons", numbers):
+    for path in choose_lessons(LESSONS, numbers):
         with atomic_write(folder / f"{path.stem}.html") as temporary:
-            temporary.write_text(deck(read_notebook(path), path.stem), encoding="utf-8")
+            temporary.write_text(deck(path), encoding="utf-8")
         print(folder / f"{path.stem}.html")
 
 
 if __name__ == "__main__":
     if len(sys.argv) < 2:
-        raise SystemExit("name a folder for the slides: python -m tools.slides slides/ 03")
+        raise SystemExit("name a folder: python -m tools.slides slides/ 03")
     write_decks(Path(sys.argv[1]), sys.argv[2:])

@@ -13,6 +13,7 @@ from numpy_cae.course.exercises.lesson_12 import VERDICTS
 from numpy_cae.course.mistakes import likely_mistake
 from numpy_cae.verify.operations import catalogue as operations
 from numpy_cae.verify.operations.catalogue import Exercise
+from numpy_cae.verify.operations.diagnosis import misplaced_gradient
 from numpy_cae.verify.operations.property import Property
 
 EXERCISES_IN = "numpy_cae.course.exercises"
@@ -67,7 +68,11 @@ def diagnosis(exercise: Exercise) -> Callable[[Property, Callable], str]:
 
     def diagnose(stated: Property, implementation: Callable) -> str:
         shown_by = SHOWN_BY.get(stated.operation, stated)
-        return likely_mistake(shown_by, implementation, exercise.solution)
+        mistake = likely_mistake(shown_by, implementation, exercise.solution)
+        operation = getattr(stated.check, "operation", None)
+        if mistake or operation is None:
+            return mistake
+        return misplaced_gradient(stated, operation, implementation)
 
     return diagnose
 

@@ -47,6 +47,22 @@ def test_a_mistake_is_named_and_two_at_once_are_not():
     assert all(bugs_of(name) for name in EXERCISES if name in OPERATIONS)
 
 
+@pytest.mark.parametrize(
+    ("name", "of_gradients", "said"),
+    [
+        ("conv1d", lambda dx, dw, db: (dw, dx, db), "The gradient for x is returned as that for w"),
+        ("encode_layer", lambda dx, dw, db: (dw, dx, db), "the order is x, w, b."),
+        ("conv1d", lambda *gradients: None, "the pullback returns None: is a return missing?"),
+    ],
+)
+def test_gradients_in_another_order_and_a_missing_return_are_named(name, of_gradients, said):
+    def changed(*arguments):
+        value, pullback = EXERCISES[name].solution(*arguments)
+        return value, lambda dy: of_gradients(*pullback(dy))
+
+    assert said in " ".join(str(course.report(name, changed)).split())
+
+
 @pytest.mark.parametrize("answer", ["special inputs", "gradient for x", "value", "purity", None])
 def test_no_answer_is_right_for_every_suspect(answer):
     accused = course.report("accuse", lambda suspect: answer)

@@ -189,7 +189,7 @@ def test_names_of_arguments_come_from_the_caller_or_from_f_and_choose_what_is_ch
     ("f", "problem"),
     [
         (lambda w: (w * 2, lambda dy: 2 * dy.T), r"has shape \(3, 2\), expected \(2, 3\)"),
-        (lambda w: (w * 2, lambda dy: None), "is None"),
+        (lambda w: (w * 2, lambda dy: None), "returns None: is a return missing"),
         (lambda w: (w * 2, lambda dy: (dy.tolist(),)), "is a list, not an array"),
         (
             lambda w: (w * 2, lambda dy: np.where(w > 1, np.nan, 2 * dy)),

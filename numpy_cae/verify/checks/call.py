@@ -38,6 +38,8 @@ def call_of_array(f: Callable, inputs: Sequence) -> tuple[np.ndarray, Callable]:
 
 def gradients_of(pulled: object, count: int) -> tuple:
     """What a pullback returned as a tuple; raise a Mismatch if it has another length."""
+    if pulled is None:
+        raise Mismatch(TYPE, "the pullback", "the pullback returns None: is a return missing?")
     gradients = pulled if isinstance(pulled, tuple | list) else (pulled,)
     if len(gradients) != count:
         returned = f"the pullback returns {len(gradients)} gradient(s), expected {count}"
@@ -49,7 +51,7 @@ def gradients_of(pulled: object, count: int) -> tuple:
 def require_array(what: str, result: object) -> None:
     """Raise a Mismatch unless a result is an array; one of a subclass, such as a matrix, is not."""
     if result is None:
-        raise Mismatch(TYPE, what, f"{what} is None, expected shape and numbers of an array")
+        raise Mismatch(TYPE, what, f"{what} is None: is a return missing?")
     if type(result) is not np.ndarray and not isinstance(result, np.generic):
         raise Mismatch(TYPE, what, f"{what} is a {type(result).__name__}, not an array")
 

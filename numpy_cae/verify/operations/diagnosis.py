@@ -43,9 +43,49 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     if not mistake and operation and operation.name == "gru" and stated.name in OF_GRADIENTS:
         frames = _carried_back(operation.reference, implementation)
         return TRUNCATED.format(frames) if frames else ""
+    if not mistake and operation:
+        mistake = misplaced_gradient(stated, operation, implementation)
     if mistake or stated.name != "independence" or not _has_one_buffer(stated, implementation):
         return mistake
     return "Results are kept in one array: what a call returns is overwritten by the next."
+
+
+def misplaced_gradient(stated: Property, operation: Operation, implementation: Callable) -> str:
+    """Where the right gradient stands among those that the pullback returns, or ""."""
+    names = operation.differentiated
+    name = stated.name.removeprefix("gradient for ")
+    if name not in names or len(names) < 2:
+        return ""
+    for place, other in enumerate(names):
+        if other != name and _holds(stated, _moved(implementation, place, names.index(name))):
+            order = ", ".join(names)
+            return f"The gradient for {name} is returned as that for {other}: the order is {order}."
+    return ""
+
+
+def _moved(implementation: Callable, old: int, new: int) -> Callable:
+    """The implementation with two of its gradients exchanged."""
+
+    def moved(*arguments):
+        value, pullback = implementation(*arguments)
+
+        def pull(*upstream):
+            gradients = list(pullback(*upstream))
+            gradients[new], gradients[old] = gradients[old], gradients[new]
+            return tuple(gradients)
+
+        return value, pull
+
+    return moved
+
+
+def _holds(stated: Property, implementation: Callable) -> bool:
+    try:
+        for case in stated.cases():
+            stated.check(implementation, case)
+    except Exception:  # another mistake
+        return False
+    return True
 
 
 def _known_mistake(stated: Property, implementation: Callable) -> str:
