@@ -2,13 +2,15 @@
 
     python -m tools.gift quiz.gift
 
-A question whose answer is one number is marked by Moodle. All others are essay questions, marked by
-the teacher; the answer is their feedback. Canvas imports QTI and no GIFT: there, copy the questions
-from QUIZ.md.
+Moodle marks a question whose answer is one number, and one that has wrong choices, each behind a ✗.
+All others are essay questions, marked by the teacher; the answer is their feedback. Canvas imports
+QTI and no GIFT: there, copy the questions from QUIZ.md.
 """
 
 import re
 import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 QUIZ = Path(__file__).parents[1] / "lessons" / "QUIZ.md"
@@ -22,22 +24,58 @@ def escaped(text: str) -> str:
     return SPECIAL.sub(r"\\\1", text)
 
 
-def as_gift(quiz: str) -> str:
-    """The questions of all lessons, one category each."""
-    blocks = []
+@dataclass(frozen=True)
+class Question:
+    """A question of the quiz; `wrong` are the choices that are not its answer."""
+
+    lesson: str
+    place: str
+    text: str
+    answer: str
+    wrong: tuple[str, ...]
+
+    @property
+    def number(self) -> str:
+        """The answer as one number, or ""."""
+        number = NUMBER.fullmatch(self.answer)
+        return number[1].replace("−", "-").replace(" ", "") if number else ""
+
+    @property
+    def is_marked(self) -> bool:
+        """Whether a learning platform can mark it."""
+        return bool(self.wrong or self.number)
+
+    def as_gift(self) -> str:
+        """The question in the format GIFT, with its answer as feedback."""
+        answers = f"#{self.number}" + ":0.0005" * ("." in self.number) if self.number else ""
+        if self.wrong:
+            wrong = (f"~{escaped(each)}" for each in self.wrong)
+            answers = " ".join([f"={escaped(self.answer)}", *wrong])
+        name = f"{self.lesson}.{self.place}"
+        feedback = f"####{escaped(self.answer)}"
+        return f"::{name}::[markdown]{escaped(self.text)} {{{answers}{feedback}}}"
+
+
+def questions_of(quiz: str) -> Iterator[Question]:
+    """The questions of all lessons, in their order."""
     for lesson in re.split(r"^## ", quiz, flags=re.M)[1:]:
         title, *lines = lesson.splitlines()
-        blocks.append(f"$CATEGORY: numpy_cae/{title}")
         for line in lines:
             if asked := re.fullmatch(r"(\d+)\. (.+) → (.+)", line):
-                place, question, answer = asked.groups()
-                name = f"{title.partition(' ')[0]}.{place}"
-                number = NUMBER.fullmatch(answer)
-                plain = number[1].replace("−", "-").replace(" ", "") if number else ""
-                answers = f"#{plain}" + ":0.0005" * ("." in plain) if plain else ""
-                kept = f"####{escaped(answer)}"
-                text = escaped(question)
-                blocks.append(f"::{name}::[markdown]{text} {{{answers}{kept}}}")
+                place, text, answers = asked.groups()
+                answer, *wrong = (each.rstrip(".") for each in answers.split(" ✗ "))
+                yield Question(title.partition(" ")[0], place, text, answer, tuple(wrong))
+
+
+def as_gift(quiz: str) -> str:
+    """The questions of all lessons, one category each."""
+    titles = {title[:3].strip(): title for title in re.findall(r"^## (.+)$", quiz, flags=re.M)}
+    blocks = []
+    for each in questions_of(quiz):
+        category = f"$CATEGORY: numpy_cae/{titles[each.lesson]}"
+        if category not in blocks:
+            blocks.append(category)
+        blocks.append(each.as_gift())
     return "\n\n".join(blocks) + "\n"
 
 
@@ -46,5 +84,5 @@ if __name__ == "__main__":
         sys.exit("usage: python -m tools.gift quiz.gift")
     text = as_gift(QUIZ.read_text(encoding="utf-8"))
     Path(sys.argv[1]).write_text(text, encoding="utf-8")
-    marked = text.count("{#") - text.count("{####")
+    marked = text.count("::[markdown]") - text.count("{####")
     print(f"{sys.argv[1]}: {text.count('::[markdown]')} questions, Moodle marks {marked} of them")

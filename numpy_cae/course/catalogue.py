@@ -27,11 +27,11 @@ TRIVIAL = frozenset("sgd_step unit_rows conv1d_unfolded conv1d_shifted".split())
 EASY = frozenset(
     "square chain_to_root speeds conv1d_by_loops unfold pooled_again tanh mean_squared_error "
     "mean_absolute zero_values frames_seen stage_inputs momentum_step one_cycle fill_unknown "
-    "norms_through_time sigmoid clip_gradients adjoint_gap".split()
+    "norms_through_time sigmoid clip_gradients adjoint_gap gate_gradients".split()
 )
 HARD = frozenset(
     "forward_kinematics conv1d layer_loss stack_loss gru_step gru self_fed check_gradients "
-    "block_matrices conv1d_by_blocks".split()
+    "conv1d_by_blocks".split()
 )
 POINTS = dict.fromkeys(TRIVIAL, 5) | dict.fromkeys(EASY, 10) | dict.fromkeys(HARD, 40)
 """POINTS: what an exercise earns; those that are not listed are of medium difficulty."""

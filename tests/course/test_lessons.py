@@ -15,6 +15,7 @@ from numpy_cae.course.copies import student_copy
 from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
+from tools.exam import exam
 from tools.execute_lessons import execute, mine_before, source_hash
 from tools.gallery import MADE_OF, picture_of, picture_path
 from tools.gift import QUIZ, as_gift
@@ -118,8 +119,17 @@ def test_long_plots_are_folded_and_what_prose_explains_can_be_tried_by_hand(path
 def test_every_question_of_the_quiz_is_in_the_file_for_moodle():
     text = QUIZ.read_text(encoding="utf-8")
     made = as_gift(text)
-    assert made.count("::[markdown]") == 150 == len(re.findall(r"^\d+\. ", text, re.M))
-    assert "of 160 frames? {#10080####160 · 63 \\= 10 080.}" in made
+    assert made.count("::[markdown]") == 160 == len(re.findall(r"^\d+\. ", text, re.M))
+    assert 160 - made.count("{####") >= 120
+    assert "of 160 frames? {#10080####160 · 63 \\= 10 080}" in made
+
+
+def test_an_exam_is_made_by_its_seed_and_its_key_stands_apart():
+    text = QUIZ.read_text(encoding="utf-8")
+    asked, key = exam(text, 7, ["03", "07b"])
+    assert exam(text, 7, ["03", "07b"]) == (asked, key) != exam(text, 8, ["03", "07b"])
+    assert re.findall(r"^\d\. ", asked, re.M) == re.findall(r"^\d\. ", key, re.M)
+    assert key.count("(lesson 07b") == 2 and "lesson" not in asked
 
 
 def test_lesson_00_ends_with_the_glossary():

@@ -11,9 +11,13 @@ from numpy_cae.course.exercises.checks import (
     states,
 )
 from numpy_cae.course.exercises.exercise import exercise, operation_exercise
-from numpy_cae.course.solutions.lesson_09 import clip_gradients, norms_through_time
+from numpy_cae.course.solutions.lesson_09 import (
+    clip_gradients,
+    gate_gradients,
+    norms_through_time,
+)
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.property import require_equal
+from numpy_cae.verify.operations.property import Property, require_equal
 
 OF_NORM = 0.25
 """The bound of clipping, as a part of the norm."""
@@ -71,6 +75,27 @@ def _zero_gradients(function, case, gradients, bound):
     _require_clipped(function, [np.zeros_like(each) for each in gradients], 1.0, 1.0)
 
 
+STATE = "batch hidden"
+
+
+def _gate(case: Case, rng: np.random.Generator) -> np.ndarray:
+    return 0.5 + spread(rng, (case["batch"], case["hidden"]), 0.4)
+
+
+GATE_GRADIENTS = ("da_r", "da_z", "da_n", "ds_n")
+
+
+def _is_right(number: int) -> Property:
+    """One of the four gradients, by itself: a wrong one does not hide the others."""
+    name = GATE_GRADIENTS[number]
+
+    def check(function, case, **given):
+        returned = require_parts(function(*given.values()), GATE_GRADIENTS)
+        require_same(returned[number], gate_gradients(**given)[number], (name,))
+
+    return states(name, f"{name} is right")(check)
+
+
 EXERCISES = (
     exercise(
         norms_through_time,
@@ -79,6 +104,19 @@ EXERCISES = (
         value="entry t is the norm of dL/dh_t, from t = 0 to the last frame",
     ),
     operation_exercise("sigmoid"),
+    exercise(
+        gate_gradients,
+        drawn(
+            dh_next=STATE,
+            h=STATE,
+            r=_gate,
+            z=_gate,
+            n=STATE,
+            s_n=STATE,
+        ),
+        {"batch": (1, 2), "hidden": (1, 2, 3)},
+        *map(_is_right, (2, 1, 3, 0)),  # as they are computed, from the last line to the first
+    ),
     operation_exercise("gru_step", given="linear mean_squared_error tanh"),
     operation_exercise("gru"),
     exercise(

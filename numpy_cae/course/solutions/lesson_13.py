@@ -26,24 +26,27 @@ def three_products(a, b, p, q, multiply):
     return m1 - m3, m1 + m2
 
 
+def one_frequency(frequency, taps, frames):
+    """The rows of A and G and the columns of C of one frequency: three, or one if it is real."""
+    points = frames + taps - 1
+    angles = 2 * np.pi * frequency / points * np.arange(points)
+    cos, sin = np.cos(angles), np.sin(angles)
+    cos_k, sin_k = cos[:taps], sin[:taps]
+    cos_t, sin_t = cos[:frames] / points, sin[:frames] / points
+    if 2 * frequency in (0, points):
+        return cos[None], cos_k[None], cos_t[:, None]
+    a = np.array([cos - sin, cos, -sin])
+    g = np.array([cos_k, sin_k - cos_k, cos_k + sin_k])
+    c = np.array([2 * (cos_t - sin_t), -2 * sin_t, -2 * cos_t])
+    return a, g, c.T
+
+
 def block_matrices(taps, frames):
     """A, G and C: transforms of a block and of a filter, and the transform back."""
     points = frames + taps - 1
-    rows_a, rows_g, columns_c = [], [], []
-    for f in range(points // 2 + 1):
-        angles = 2 * np.pi * f / points * np.arange(points)
-        cos, sin = np.cos(angles), np.sin(angles)
-        cos_k, sin_k = cos[:taps], sin[:taps]
-        cos_t, sin_t = cos[:frames] / points, sin[:frames] / points
-        if 2 * f in (0, points):
-            rows_a += [cos]
-            rows_g += [cos_k]
-            columns_c += [cos_t]
-        else:
-            rows_a += [cos - sin, cos, -sin]
-            rows_g += [cos_k, sin_k - cos_k, cos_k + sin_k]
-            columns_c += [2 * (cos_t - sin_t), -2 * sin_t, -2 * cos_t]
-    return np.array(rows_a), np.array(rows_g), np.array(columns_c).T
+    every = [one_frequency(f, taps, frames) for f in range(points // 2 + 1)]
+    a, g, c = zip(*every, strict=True)
+    return np.concatenate(a), np.concatenate(g), np.concatenate(c, axis=1)
 
 
 def conv1d_by_blocks(x, w, b, a, g, c):
