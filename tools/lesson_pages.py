@@ -1,7 +1,7 @@
 """The lessons as pages of the site: articles in which the code of pictures is folded.
 
-A notebook in `lessons/` is copied with a line of downloads below its title. A cell that draws a
-picture and is no exercise gets the tag "hide-input". A picture without an alternative text in the
+A notebook in `lessons/` is copied with a line of downloads below its title. A solution, and a
+cell that draws a picture, gets the tag "hide-input". A picture without an alternative text in the
 metadata of its cell (`"mystnb": {"image": {"alt": ...}}`) gets one from the texts in the code that
 draws it. The index is made of the table and the pictures in `lessons/README.md`.
 """
@@ -64,6 +64,8 @@ def _article(notebook: dict, name: str, gallery: str) -> dict:
     for cell in cells:
         if cell["cell_type"] == "markdown":
             before = "".join(cell["source"])
+        if cell["metadata"].get("nbgrader", {}).get("solution"):  # read the exercise first
+            cell["metadata"].setdefault("tags", []).append("hide-input")
         if not any("image/png" in output.get("data", {}) for output in cell.get("outputs", ())):
             continue
         source, metadata = "".join(cell["source"]), cell["metadata"]
