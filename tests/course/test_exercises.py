@@ -11,17 +11,12 @@ from numpy_cae import course, ops
 from numpy_cae.course import mine
 from numpy_cae.course.catalogue import EXERCISES, LESSONS, POINTS
 from numpy_cae.course.exercises.hints import read_hints, with_hint
-from numpy_cae.manifold.compare import G
 from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
-from numpy_cae.motion import features_to_positions
-from numpy_cae.motion.features import RootTransform
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.trial import try_property
 
 OWN = [name for name in EXERCISES if name not in OPERATIONS]  # tests/verify tries the operations
 OF_PACKAGE = {
-    "conv1d_by_loops": lambda *given: ops.conv1d(*given)[0],
-    "from_features": lambda features, *root: features_to_positions(features, RootTransform(*root)),
     "encode_layer": lambda x, *of: ConvLayer(*of, 0.9).encode_with_pullback(x)[0],
     "decode_layer": lambda y, *of: ConvLayer(*of).decode_with_pullback(y)[0],
     "layer_loss": lambda x, corrupted, w, b, first, alpha, bound: ConvAutoencoder.from_layers(
@@ -30,7 +25,6 @@ OF_PACKAGE = {
     "stack_loss": lambda x, corrupted, layers, bound: ConvAutoencoder.from_layers(
         [ConvLayer(*of, bound) for of in layers]
     ).loss_and_gradients(x, corrupted)[0],
-    "G": G,
     "regularised_loss": lambda weights, *given: (
         SequentialAutoencoder.from_weights(weights).loss_and_gradients(*given)[0].total
     ),

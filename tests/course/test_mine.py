@@ -10,8 +10,7 @@ import pytest
 from acclaim_files import FILES
 
 from numpy_cae import course
-from numpy_cae.course.copies import BEGIN
-from numpy_cae.course.mine import EMPTY, run, with_definitions
+from numpy_cae.course.mine import EMPTY, with_definitions
 from tools.execute_lessons import mine_before
 
 CELL = (FILES / "cell_of_mine.txt").read_text()
@@ -104,13 +103,6 @@ def test_what_would_not_work_is_not_written(function, problem, mine, capsys):
     assert f"not saved to mine.py: {problem}" in capsys.readouterr().out
     assert mine.read_text() == EMPTY
     assert "import tanh" not in with_definitions(EMPTY, "from mine import tanh\n" + SGD_STEP)
-
-
-def test_instructors_execute_a_lesson_with_the_solutions_of_earlier_ones():
-    text = mine_before(Path(__file__).parents[2] / "lessons" / "05_one_layer.ipynb")
-    functions = run(text)
-    assert {"conv1d", "max_pool", "to_features"} < functions.keys() and "tanh" not in functions
-    assert BEGIN not in text and not Path("mine.py").exists()
 
 
 def test_progress_counts_what_is_in_mine(mine, capsys):

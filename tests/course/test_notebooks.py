@@ -28,7 +28,6 @@ def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTIO
     ("lesson", "said"),
     [
         (a_lesson("### BEGIN SOLUTION\n    return 2"), "without ### END"),
-        (a_lesson("return 2\n    ### END SOLUTION"), "or the other way round"),
         (a_lesson("### BEGIN SOLUTION\n    ### BEGIN SOLUTION\n    ### END SOLUTION"), "without"),
         (a_lesson(marked=False), "in a cell that is no exercise"),
     ],
