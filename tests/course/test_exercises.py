@@ -22,9 +22,6 @@ OF_PACKAGE = {
     "layer_loss": lambda x, corrupted, w, b, first, alpha, bound: ConvAutoencoder.from_layers(
         [ConvLayer(w, b, bound)]
     ).loss_and_gradients(x, corrupted, alpha, [first])[0],
-    "stack_loss": lambda x, corrupted, layers, bound: ConvAutoencoder.from_layers(
-        [ConvLayer(*of, bound) for of in layers]
-    ).loss_and_gradients(x, corrupted)[0],
     "regularised_loss": lambda weights, *given: (
         SequentialAutoencoder.from_weights(weights).loss_and_gradients(*given)[0].total
     ),
