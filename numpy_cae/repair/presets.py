@@ -86,15 +86,19 @@ def fitting_preset(motion: Motion) -> str | None:
     first = t_pose.frames if t_pose else 0
     some = motion.at(slice(first, first + int(LONGEST_SECONDS * motion.rate)))
     some = some.resampled(30.0) if motion.rate > 40 else some
-    if len(some) > 4 and (_shakes(some) or _jumps_and_slides(some)):
+    if len(some) > 4 and (shaking(some) > SHAKING or _jumps_and_slides(some)):
         return "video"
     return "suit" if t_pose else None
 
 
-def _shakes(motion: Motion) -> bool:
-    body = body_positions(motion) / body_size(motion)
-    change = np.diff(body, 3, axis=0) * motion.rate**2
-    return bool(np.median(np.linalg.norm(change, axis=-1)) > SHAKING)
+def shaking(motion: Motion) -> float:
+    """The median change of a joint's acceleration from frame to frame, at most 30 a second, of a
+    body of a person's size, in metres a second squared."""
+    some = motion.resampled(30.0) if motion.rate > 40 else motion
+    if len(some) < 4:
+        return 0.0
+    change = np.diff(body_positions(some) / body_size(some), 3, axis=0) * some.rate**2
+    return float(np.median(np.linalg.norm(change, axis=-1)))
 
 
 def _jumps_and_slides(motion: Motion) -> bool:

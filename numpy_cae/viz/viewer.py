@@ -52,6 +52,8 @@ def save_viewer(
     overlaid: bool = False,
     findings: Sequence[Mapping] = (),
     command: str = "",
+    summary: Sequence[str] = (),
+    measures: Sequence[tuple[str, float, float]] = (),
 ) -> None:
     """Write a page that plays motions side by side or overlaid, atomically.
 
@@ -72,10 +74,27 @@ def save_viewer(
     command : str
         A command line that repairs everything, into a file whose name ends in "_finding_0". The
         page writes the number of a finding there, and adds --only.
+    summary : sequence of str
+        What the page says first.
+    measures : sequence of (str, float, float)
+        A name with its unit, and its value before and after.
     """
     page = page_html(actors, rate, title, overlaid, findings, command)
+    page = page.replace("</h1>", f"</h1>\n{_summary(summary, measures)}", 1)
     with atomic_write(path) as temporary:
         Path(temporary).write_text(page, encoding="utf-8")
+
+
+def _summary(summary: Sequence[str], measures: Sequence[tuple[str, float, float]]) -> str:
+    if not summary:
+        return ""
+    said = "".join(f"<li>{escape(visible(text))}</li>" for text in summary)
+    rows = "".join(
+        f"<tr><th scope=row>{escape(name)}</th><td>{before:.3g}</td><td>{after:.3g}</td></tr>"
+        for name, before, after in measures
+    )
+    head = "<tr><td></td><th scope=col>before</th><th scope=col>after</th></tr>"
+    return f'<div class="summary"><ul>{said}</ul><table>{head}{rows}</table></div>'
 
 
 def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: Any) -> str:

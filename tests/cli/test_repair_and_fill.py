@@ -163,6 +163,7 @@ def test_the_command_of_a_finding_writes_what_the_page_shows(takes, tmp_path, ru
         r"viewer-data[^>]*>(.*?)</script>", out.with_suffix(".html").read_text("utf-8")
     )
     data = json.loads(page[1])
+    assert f"<li>{len(data['findings'])} findings: " in out.with_suffix(".html").read_text("utf-8")
     assert "--sensitivity=0.6" in data["command"] and "--from=suit" in data["command"]
     numbers = [n for n, each in enumerate(data["findings"], 1) if each["joint"] == "right_knee"]
     assert numbers and len(numbers) < len(data["findings"])

@@ -145,5 +145,6 @@ def test_drawing_becomes_lighter_where_it_is_slow(page):
 def test_a_joint_is_named_under_the_pointer(page):
     viewer = viewer_of(page)
     viewer.evaluate("viewer => { viewer.scrub(20); viewer.stage.draw(); }")
+    page.locator(".stage canvas").scroll_into_view_if_needed()
     page.mouse.move(*viewer.evaluate(HEAD_ON_SCREEN))
     assert "head" in page.locator(".joint").inner_text().lower()

@@ -18,6 +18,7 @@ from numpy_cae.mocap.save import KEPT, FileMotion
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.repair.repaired import count
+from numpy_cae.repair.summary import measures, sentences
 from numpy_cae.viz import before_and_after, save_viewer
 
 READING = 1 / 4
@@ -188,7 +189,8 @@ class ChangedFiles:
         command = self._command(source, target) if self.args.command == "repair" else ""
         actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
         entries = [finding.to_json() for finding in repaired.listed()]
-        save_viewer(actors, page, motion.rate, title, True, entries, command)
+        said, values = sentences(repaired), measures(motion, repaired.motion)
+        save_viewer(actors, page, motion.rate, title, True, entries, command, said, values)
         print(f"{page}: before and after; open it in a browser")
 
     def _command(self, source: Path, target: Path) -> str:

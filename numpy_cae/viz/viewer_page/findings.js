@@ -67,7 +67,10 @@ export class FindingsPanel {
     this.element(button, "span", { textContent: [framesOf(frames), kind, cm ? centimetres(cm) : ""].filter(Boolean).join(" \u00b7 ") });
     const detail = this.element(item, "div", { className: "detail", hidden: true });
     const row = { finding, number, button, detail };
-    button.addEventListener("click", () => this.choose(row));
+    button.addEventListener("click", () => {
+      this.choose(row);
+      button.scrollIntoView?.({ block: "nearest" });
+    });
     this.rows.push(row);
     if (!isProposed(finding)) this.accepted.add(number);
   }
@@ -81,7 +84,6 @@ export class FindingsPanel {
     }
     if (!row.detail.childElementCount) this.fill(row);
     this.onChosen(row.finding);
-    row.button.scrollIntoView?.({ block: "nearest" });
   }
 
   fill({ finding, number, detail }) {
