@@ -9,7 +9,6 @@ import numpy as np
 
 from numpy_cae.evaluation.errors import position_error
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.shifted_projection import WINDOWS_AT_ONCE
 from numpy_cae.motion.windows import cut_windows
 
 
@@ -27,15 +26,8 @@ class Clips:
 
     def error(self, x: np.ndarray, joint: str | None = None) -> float:
         """The `position_error` of windows, cm, over all joints or one."""
-        squares, frames = [], []
-        for first in range(0, len(x), WINDOWS_AT_ONCE):
-            part = slice(first, first + WINDOWS_AT_ONCE)
-            gap = (x[part] - self.x[part]) / self.manifold.scale  # the mean pose cancels
-            frames.append(np.count_nonzero(self.real[part]))
-            if frames[-1]:
-                error = position_error(gap, np.zeros(gap.shape[-1]), self.real[part], joint)
-                squares.append(error**2 * frames[-1])
-        return float(np.sqrt(sum(squares) / sum(frames)))
+        gap = (x[self.real] - self.x[self.real]) / self.manifold.scale  # the mean pose cancels
+        return position_error(gap, np.zeros(gap.shape[-1]), joint=joint)
 
     def evenly(self, count: int) -> Clips:
         """At most `count` of the windows, evenly spaced."""

@@ -6,12 +6,7 @@ from numpy_cae.motion.angle_table import ANGLES
 from numpy_cae.motion.features import POSITIONS, joint_slice
 
 
-def position_error(
-    features: np.ndarray,
-    truth: np.ndarray,
-    real: np.ndarray | None = None,
-    joint: str | None = None,
-) -> float:
+def position_error(features: np.ndarray, truth: np.ndarray, joint: str | None = None) -> float:
     """100 · √ mean((q̂ - q)²), centimetres, over the coordinates of all joints or of one.
 
     The 60 position features are relative to the body's position on the floor and its heading, so
@@ -21,15 +16,11 @@ def position_error(
     ----------
     features, truth : (…, F, 63) arrays of float
         In metres.
-    real : (…, F) array of bool, optional
-        Frames to count; padded ones are False.
     joint : str, optional
         The only joint to count, such as "left_wrist".
     """
     counted = POSITIONS if joint is None else joint_slice(joint)
     gap = (np.asarray(features) - truth)[..., counted]
-    if real is not None:
-        gap = gap[real]
     return float(100 * np.sqrt(np.mean(np.square(gap, dtype=np.float64))))
 
 

@@ -54,12 +54,12 @@ def half_removed(
     inputs = {"": damaged}
     if manifold.rescales:  # PCA gets the same information as the network
         inputs[", input divided by 1 - p"] = damaged / (1 - zeroed_fraction(damaged))
-    fewer = fitted.evenly(PCA_WINDOWS)
+    mean = test.error(0 * test.x)
     rows = [
-        ["as damaged", test.error(test.x), test.error(damaged), None],
-        ["the mean pose", test.error(0 * test.x), test.error(0 * test.x), None],
+        ["as damaged", 0.0, test.error(damaged), None],
+        ["the mean pose", mean, mean, None],
         *_pca("PCA on frames", fitted.x, test, inputs, features),
-        *_pca("PCA on windows", fewer.x, test, inputs, length * features),
+        *_pca("PCA on windows", fitted.evenly(PCA_WINDOWS).x, test, inputs, length * features),
         row("the network", average_shifts=False),
         row("the network, averaged over all shifts", average_shifts=True),
         *([name, 0.0, test.error(x), None] for name, x in mask_given(manifold, damaged)),

@@ -34,8 +34,9 @@ def reconstruction(
 
     The seed chooses the clips of the training motions that PCA is fitted to.
     """
-    rng, latent = np.random.default_rng(seed), manifold.network.latent
+    latent = manifold.network.latent
     x = manifold.normalise(cut_clips(testing, frames=manifold.frames))
+    rng = np.random.default_rng(seed)
     learned = manifold.normalise(draw_clips(training, PCA_CLIPS, rng, manifold.frames))
     reconstructions = {
         NETWORK: manifold.network.denoise(x),
@@ -43,7 +44,8 @@ def reconstruction(
         MEAN: np.zeros_like(x),
         HELD: np.broadcast_to(x[:, :1], x.shape),
     }
-    truth, rows = manifold.denormalise(x), []
+    truth = manifold.denormalise(x)
+    rows: list[list[object]] = []
     for method, x_hat in reconstructions.items():
         squared = float(np.mean((x_hat.astype(np.float64) - x) ** 2))
         distance = angle_distance(manifold.denormalise(x_hat), truth)

@@ -20,9 +20,10 @@ def clip_distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     -------
     (N, M) array of float64
     """
-    a, b = (np.asarray(x, dtype=np.float64).reshape(len(x), -1) for x in (a, b))
-    squares = np.sum(a * a, axis=1)[:, None] + np.sum(b * b, axis=1) - 2 * a @ b.T
-    return np.sqrt(np.maximum(squares, 0) / a.shape[1])
+    from scipy.spatial.distance import cdist  # slow to import, and seldom used
+
+    one, other = (np.asarray(x, dtype=np.float64).reshape(len(x), -1) for x in (a, b))
+    return cdist(one, other) / np.sqrt(one.shape[1])
 
 
 def nearest_distance(clips: np.ndarray, others: np.ndarray) -> float:

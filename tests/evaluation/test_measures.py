@@ -1,5 +1,7 @@
 """The measures of motions, sets of clips and retrieval, where the answer is computed by hand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 
 from data_synth import make_take
 from numpy_cae import evaluation, mocap, motion
+from numpy_cae.evaluation.clips import Clips
 from numpy_cae.evaluation.samples import clip_distances
 from numpy_cae.mocap.retarget.fit import body_skeleton
 from numpy_cae.motion import JOINTS
@@ -40,9 +43,10 @@ def test_velocities_and_padded_frames_do_not_count_and_one_joint_can_count_alone
     off[:, 6:] = 7.0
     off[:, :6, motion.joint_slice("left_wrist")] = 0.03
     real = np.tile(np.arange(8) < 6, (2, 1))
-    assert evaluation.position_error(off, truth, real) == pytest.approx(3 / np.sqrt(20))
-    assert evaluation.position_error(off, truth, real, "left_wrist") == pytest.approx(3.0)
-    assert evaluation.position_error(off, truth, real, "right_wrist") == 0.0
+    clips = Clips(SimpleNamespace(scale=np.ones(63)), truth, real, np.arange(2))
+    assert clips.error(off) == pytest.approx(3 / np.sqrt(20))
+    assert clips.error(off, "left_wrist") == pytest.approx(3.0)
+    assert clips.error(off, "right_wrist") == 0.0
 
 
 def standing(frames: int = 20) -> np.ndarray:
