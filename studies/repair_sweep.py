@@ -16,11 +16,11 @@ import numpy as np
 from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.complete import interpolated
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, Curve, curves_figure
 from studies.shared.clips import AVERAGED, NETWORK, REPEATED, Split, project_repeated, split_of
-from studies.shared.interpolate_linearly import interpolate_linearly
 from studies.shared.linear_denoiser import Moments
 from studies.shared.material import Material
 from studies.shared.result import Claim, Picture, Result, Table
@@ -80,7 +80,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 averaged = project_repeated(manifold, damaged * factor, average_shifts=True)
                 note(AVERAGED + suffix, averaged)
         note(LINEAR, moments.solve(1 - p).repair(damaged))
-        note(INTERPOLATED, interpolate_linearly(damaged, known))
+        note(INTERPOLATED, interpolated(damaged, known))
 
     columns = [f"p = {p}" for p in PS]
     *rows, mask_given = ([name, *row] for name, row in errors.items())

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.manifold.complete import interpolated
 from studies.cmu_protocol.protocol import Fill, Method
-from studies.shared.interpolate_linearly import interpolate_linearly
 
 OFFSET, MEMORY = 0.5, 10
 """OFFSET: the variance of a take's constant error, relative to that of its varying error. MEMORY:
@@ -54,7 +54,11 @@ def nearest(spread: np.ndarray) -> Method:
 
 def held(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
     """Repeat the last known value; no later value is known to interpolate to."""
-    return lambda take, first: interpolate_linearly(take, ~np.isnan(take))[:, columns]
+
+    def fill(take: np.ndarray, first: int) -> np.ndarray:
+        return interpolated(np.nan_to_num(take)[None], ~np.isnan(take)[None])[0][:, columns]
+
+    return fill
 
 
 def ridge(taps: int, penalty: float, width: float | None = None) -> Method:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from numpy_cae.evaluation import PCA
-from studies.shared.interpolate_linearly import interpolate_linearly
+from numpy_cae.manifold.complete import interpolated
 from studies.shared.linear_denoiser import LinearDenoiser, Moments, contexts
 
 TAPS = 5
@@ -82,5 +82,5 @@ def test_lines_are_restored_from_any_holes(seed):
     x = rng.normal(size=(2, 1, 3)) * np.arange(40)[:, None] + rng.normal(size=(2, 1, 3))
     known = rng.random(x.shape) < 0.3
     known[:, [0, -1]] = True
-    filled = interpolate_linearly(np.where(known, x, 0), known)
+    filled = interpolated(np.where(known, x, 0), known)
     np.testing.assert_allclose(filled, x, atol=1e-9)
