@@ -17,6 +17,9 @@ LONGEST_SECONDS = 3.0
 JUMP_RATIO = 4.0
 """JUMP_RATIO: a T-pose ends with a step, the mean of all joints, of more than this times the
 largest of the ten steps after it."""
+BLEND_SECONDS = 0.1
+"""BLEND_SECONDS: a T-pose may blend into the motion over this time (s), which counts as a part of
+it: the steps after the largest one are then still large."""
 ARM_DEGREES = 25.0
 """ARM_DEGREES: an arm is held out if it is within this angle of the line of the shoulders (°)."""
 UNCHANGED = 1e-6
@@ -72,12 +75,13 @@ def leading_t_pose(motion: Motion, least_score: float = 1.0) -> TPose | None:
         return None
     steps = np.linalg.norm(np.diff(body_positions(start), axis=0), axis=-1).mean(axis=1)
     jump = int(np.argmax(steps[: frames - 3]))
-    after = float(steps[jump + 1 : jump + 11].max())
     before = float(steps[:jump].max(initial=0.0))
-    score = float(steps[jump] / max(JUMP_RATIO * max(after, before), UNCHANGED))
-    if score <= least_score or not _is_t_pose(start.at(slice(jump, jump + 1))):
-        return None
-    return TPose(jump + 1, float(steps[jump]), score)
+    for end in range(jump + 1, min(jump + 2 + round(BLEND_SECONDS * motion.rate), len(steps))):
+        after = float(steps[end : end + 10].max())
+        score = float(steps[jump] / max(JUMP_RATIO * max(after, before), UNCHANGED))
+        if score > least_score and _is_t_pose(start.at(slice(jump, jump + 1))):
+            return TPose(end, float(steps[jump]), score)
+    return None
 
 
 def _is_t_pose(pose: Motion) -> bool:

@@ -18,6 +18,7 @@ from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.filters import butterworth, median_of
 
 LEFT_LEG = [JOINTS.index(f"left_{joint}") for joint in ("hip", "knee", "ankle")]
+HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]
 CALM_SECONDS = 0.1
 """CALM_SECONDS: steps and speeds are taken over so long before and after a frame (s)."""
 PATH_HERTZ = 2.5
@@ -27,6 +28,9 @@ FOLLOWING_SHARE = 0.4
 """FOLLOWING_SHARE: a root follows the feet if its steps are at least this share of the steps with
 which the feet would stand. In 119 takes without damage the share is at least 0.82; in seven files
 from video it is at most 0.23."""
+HELD_METRES = 0.1
+"""HELD_METRES: a root gets no path if both hands stay within this (m) in most frames, as those of a
+cyclist do: then the feet need not stand on a floor."""
 UPRIGHT_LEGS = 0.7
 """UPRIGHT_LEGS: a root gets a path only if the hips are higher above the lower toe than this times
 the length of a leg in most frames."""
@@ -44,6 +48,8 @@ def path_of_root(motion: Motion) -> np.ndarray:
     leg = np.linalg.norm(np.diff(body[0, LEFT_LEG], axis=0), axis=-1).sum()
     none = np.zeros((len(motion), 3))
     if len(motion) < 3 or np.median(hips[:, 1] - lower_height) < UPRIGHT_LEGS * leg:
+        return none
+    if _hands_are_held(body):
         return none
     root_steps = np.diff(hips, axis=0)
     asked_steps = _steps_of_feet(root_steps, toes)
@@ -68,6 +74,12 @@ def _steps_of_feet(root_steps: np.ndarray, toes: np.ndarray) -> np.ndarray:
     """The steps of the root (frames - 1, 3) with which the lower toe would stand still."""
     lower = (toes[1:, :, 1] + toes[:-1, :, 1]).argmin(axis=1)
     return root_steps - np.diff(toes, axis=0)[np.arange(len(root_steps)), lower]
+
+
+def _hands_are_held(body: np.ndarray) -> bool:
+    """Whether both hands of a body (frames, 20, 3) stay at one place."""
+    low, high = np.quantile(body[:, HANDS], [0.1, 0.9], axis=0)
+    return bool(np.linalg.norm(high - low, axis=-1).max() < HELD_METRES)
 
 
 def _makes_steps(toes: np.ndarray) -> bool:

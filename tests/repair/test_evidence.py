@@ -24,6 +24,7 @@ from numpy_cae.repair.t_pose import find_t_pose
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
 ARM = [JOINTS.index(f"left_{joint}") for joint in ("elbow", "wrist")]
+LEGS_OF_RIG = [f"{side}{bone}" for side in "lr" for bone in ("hipjoint", "femur", "tibia", "foot")]
 REST = [0.0, 0.0, 0.0, 1.0]
 
 
@@ -168,6 +169,11 @@ def test_a_t_pose_at_the_start_is_kept_or_cut_and_not_smeared(walk, frames):
     rotations[frames : frames + 6, 1:] += share * (REST - rotations[frames : frames + 6, 1:])
     eases = turned(replace(damaged, rotations=rotations), {"root": 90.0}, "y", slice(frames))
     assert find_t_pose(eases)[0].frames == (0, frames - 1)
+    share = np.array([0.5, 0.25, 0.1, 0.03, 0.0, 0.0])[:, None, None]  # blends over four frames
+    after = walk.rotations[frames : frames + 6, 1:]
+    rotations[frames : frames + 6, 1:] = after + share * (REST - after)
+    blends = find_t_pose(replace(damaged, rotations=rotations))[0]
+    assert frames - 1 <= blends.frames[1] < frames + 6
 
 
 @pytest.mark.parametrize("way", [[0.0, -0.08, 0.0], [0.25, 0.0, 0.1]])
@@ -204,7 +210,9 @@ def test_the_path_of_a_root_that_stands_still_follows_from_the_feet(walk):
     slides = np.linalg.norm(np.diff(after[:, FEET], axis=0), axis=-1)[contacts[1:]]
     assert slides.mean() * 60.0 < 0.02
     seated = turned(still, {"lfemur": -80.0, "rfemur": -80.0}, "x")
-    assert not any(map(is_path, find_feet(seated)))
+    upper = [joint for joint in walk.skeleton.names[1:] if joint not in LEGS_OF_RIG]
+    cyclist = held(still, ["root", *upper], slice(0, None))
+    assert not any(map(is_path, find_feet(seated) + find_feet(cyclist)))
 
 
 def test_feet_that_make_no_steps_are_held_at_one_place():
