@@ -94,7 +94,7 @@ def test_only_the_safe_reader_loads_array_files():
     assert loading == {"array_file.py"}
 
 
-MOST_CODE = {"numpy_cae": 17100, "data_synth": 2200, "tests": 8700}
+MOST_CODE = {"numpy_cae": 17100, "data_synth": 2200, "tests": 8710}
 """Lines that hold code; docstrings, comments and blank lines are free."""
 LAYOUT = {
     *(tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE),
