@@ -27,6 +27,12 @@ Mappings = JointNames | Sequence[JointNames] | None
 """One mapping to the names in a rig, or several: each rig then takes the first one that fits."""
 
 
+_NUMBER = re.compile(r"_\d{2,}$")
+"""_NUMBER: what converters add to make names unique."""
+_NEARLY_ALL = 0.9
+"""_NEARLY_ALL: this part of a skeleton's names; its root may have no number."""
+
+
 class UnknownRigError(NumpyCaeError, ValueError):
     """Some of the twenty joints were not found in a skeleton, or its bones are not a person's."""
 
@@ -144,8 +150,26 @@ def _finder(skeleton: Skeleton) -> Callable[[str], int | None]:
 
 
 def _plain_names(skeleton: Skeleton) -> dict[str, int]:
-    """Plain name -> index of the first joint that has it."""
-    return {plain_name(name): joint for joint, name in reversed(list(enumerate(skeleton.names)))}
+    """Plain name -> index of the first joint that has it, with and without what all names begin and
+    end with, or the number that a converter added to nearly all of them."""
+    names = list(skeleton.names)
+    numbered = sum(bool(_NUMBER.search(name)) for name in names) >= _NEARLY_ALL * len(names)
+    cores = [_NUMBER.sub("", name) if numbered else name for name in names]
+    begin = _common_words(cores)
+    end = _common_words([name[::-1] for name in cores])
+    cores = [name[begin : len(name) - end] for name in cores]
+    known: dict[str, int] = {}
+    for forms in (cores, names):
+        known |= {plain_name(form): joint for joint, form in reversed(list(enumerate(forms)))}
+    return known
+
+
+def _common_words(texts: list[str]) -> int:
+    """The length of the whole words, each with its separator, with which all texts begin."""
+    first, last = min(texts), max(texts)
+    pairs = zip(first, last, strict=False)
+    same = next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(first), len(last)))
+    return len(re.sub(r"[^\s_.\-]*$", "", first[:same]))
 
 
 def plain_name(name: str) -> str:
