@@ -40,18 +40,16 @@ def test_each_rig_is_found(rig, dress, which):
 
 
 FOUND = json.loads((FILES / "rigs.json").read_text(encoding="utf-8"))
-"""Rigs of public files, without fingers and faces: their joints, each with its parent, and the
-twenty, "-" for one that is missing; ~ is a blank."""
+"""Rigs of public files, without fingers and faces: names, parents and the twenty joints, "-" for
+one that is missing."""
 
 
 @pytest.mark.parametrize("rig", FOUND.values(), ids=FOUND)
 def test_rigs_of_other_programs_are_found_by_their_names(rig):
-    names, parents = zip(*(word.rsplit(":", 1) for word in rig["tree"].split()), strict=True)
-    names = tuple(name.replace("~", " ") for name in names)
-    skeleton = Skeleton(names, tuple(map(int, parents)), np.ones((len(names), 3)))
+    names = rig["names"].split()
+    skeleton = Skeleton(tuple(names), tuple(rig["parents"]), np.ones((len(names), 3)))
     found = rig_by_names(skeleton).found
-    twenty = [names[found[joint]] if joint in found else "-" for joint in JOINTS]
-    assert twenty == [name.replace("~", " ") for name in rig["twenty"].split()]
+    assert [names[found[j]] if j in found else "-" for j in JOINTS] == rig["twenty"].split()
 
 
 def test_a_missing_joint_lists_what_the_rig_has_and_what_its_hierarchy_suggests():
