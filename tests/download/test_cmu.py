@@ -71,7 +71,6 @@ def test_the_archive(site, tmp_path):
 
 
 PORTAL = b"<html>Please log in</html>"
-HARM = "../../x.amc sha256:" + 64 * "0" + " http://127.0.0.1/x.amc\n"
 WRONG = {"archive": "zip: is no archive", "checksums": r"txt:1: '../../x.amc sha"}
 WRONG |= {"page": "07_01.amc: is a web page", "size": "more than 10 bytes"}
 
@@ -81,10 +80,11 @@ def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
     folder, address = site
     (folder / "allasfamc.zip").write_bytes(PORTAL)
     (out := tmp_path / "cmu").mkdir()
-    if what == "page":
-        (folder / "subjects" / "07" / "07_01.amc").write_bytes(PORTAL)
+    (folder / "subjects" / "07" / "07_01.amc").write_bytes(PORTAL)
     if what == "checksums":
-        (out / "checksums.txt").write_text(HARM)
+        (out / "checksums.txt").write_text(
+            "../../x.amc sha256:" + 64 * "0" + " http://127.0.0.1/x.amc"
+        )
     monkeypatch.setitem(cmu.MOST_BYTES, "file", 10 if what == "size" else 10**6)
     with pytest.raises(DownloadError, match=WRONG[what]):
         download_cmu(out, None if what == "archive" else [7], address)
