@@ -42,12 +42,11 @@ def drawn_motion(seed: int, joints: int = 6, frames: int = 5, unit: float = 0.01
     return Motion(skeleton, 30.0, turned.reshape(frames, joints, 4), translations, unit)
 
 
+LENGTHS = st.sampled_from([1.0, 0.01, 0.001, CMU_UNIT, 0.0254, 3.0])
+
+
 @settings(max_examples=25, deadline=None)
-@given(
-    seed=st.integers(0, 2**31),
-    joints=st.integers(1, 12),
-    unit=st.sampled_from([1.0, 0.01, 0.001, CMU_UNIT, 0.0254, 3.0]),
-)
+@given(seed=st.integers(0, 2**31), joints=st.integers(1, 12), unit=LENGTHS)
 def test_what_is_written_reads_back(tmp_path_factory, seed, joints, unit):
     path = tmp_path_factory.mktemp("written") / "take.bvh"
     motion = drawn_motion(seed, joints)
@@ -64,13 +63,12 @@ def test_what_is_written_reads_back(tmp_path_factory, seed, joints, unit):
             np.testing.assert_allclose(again.skeleton.end_sites[there], tip, atol=1e-6)
 
 
+ANGLES, POLES = st.floats(-180, 180), st.sampled_from([90.0, -90.0])
+BESIDE = st.sampled_from([0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3])
+
+
 @settings(max_examples=25, deadline=None)
-@given(
-    outer=st.floats(-180, 180),
-    inner=st.floats(-180, 180),
-    pole=st.sampled_from([90.0, -90.0]),
-    beside=st.sampled_from([0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3]),
-)
+@given(outer=ANGLES, inner=ANGLES, pole=POLES, beside=BESIDE)
 def test_poles_of_the_angles_lose_nothing(tmp_path_factory, outer, inner, pole, beside):
     path = tmp_path_factory.mktemp("pole") / "take.bvh"
     angles = [outer, pole - np.sign(pole) * beside, inner]

@@ -61,10 +61,10 @@ def test_angles_about_three_axes_and_at_a_pole(order):
         assert_same(turned, Rotation.from_euler(order, found))
 
 
-@pytest.mark.parametrize(
-    ("rate", "new", "step"),
-    [(120, 30, 4), (1 / 0.0083333, 30, 4), (120, 50, 2.4), (24, 30, 0.8), (29.97, 30, 1)],
-)
+RATES = [(120, 30, 4), (1 / 0.0083333, 30, 4), (120, 50, 2.4), (24, 30, 0.8), (29.97, 30, 1)]
+
+
+@pytest.mark.parametrize(("rate", "new", "step"), RATES)
 def test_resampling_sub_samples_and_interpolates(rate, new, step):
     """`step` is the number of frames between two of the result; a rounded rate is the same rate."""
     frames = np.arange(13.0)
