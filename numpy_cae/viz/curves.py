@@ -90,23 +90,31 @@ _LABELS = 40
 """LABELS: of more motions than this, only as many evenly spaced names are written."""
 
 
-def matrix_figure(distances: np.ndarray, names: Sequence[str], unit: str = "distance") -> Figure:
-    """Draw a matrix of distances in the order of the motions, with their names on the right.
+def matrix_figure(
+    distances: np.ndarray, names: Sequence[str], unit: str = "distance", title: str = ""
+) -> Figure:
+    """Draw a matrix of distances, near ones dark, with the names of the motions on the right. The
+    order is that of a hierarchical clustering, in which similar motions are neighbours.
 
     Parameters
     ----------
     distances : (N, N) array of float
     names : sequence of N str
-        Sort motions by name to see groups: takes of one kind are then next to each other.
     unit : str
         Label of the colour bar.
+    title : str
     """
     from matplotlib.figure import Figure
+    from scipy.cluster.hierarchy import leaves_list, linkage
 
+    pairs = distances[np.triu_indices(len(names), 1)]
+    order = leaves_list(linkage(pairs, "average", optimal_ordering=True))
+    distances, names = distances[np.ix_(order, order)], [names[int(at)] for at in order]
     side = float(np.clip(0.2 * len(names), 2.5, 9.0))
     figure = Figure(figsize=(side + 3.0, side), layout="constrained")
     axes = figure.add_subplot()
-    image = axes.imshow(distances, cmap="magma_r")
+    image = axes.imshow(distances, cmap="magma")
+    axes.set_title(title, fontsize=10)
     rows = np.arange(0, len(names), -(-len(names) // _LABELS))
     axes.set_xticks([])
     axes.yaxis.tick_right()

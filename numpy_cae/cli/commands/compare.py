@@ -39,7 +39,8 @@ def run(args: argparse.Namespace) -> int:
     if args.output:
         _write_csv(names, distances, args.output)
     if args.picture:
-        save_figure(matrix_figure(np.sqrt(distances), names, "√G"), args.picture)
+        title = f"√G of {len(names)} motions; dark: near"
+        save_figure(matrix_figure(np.sqrt(distances), names, "√G", title), args.picture)
     for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
         print(f"{name}: nearest is {other}, G = {distance:.3f}")
     for path, content in ((args.output, "G"), (args.picture, "√G")):

@@ -12,10 +12,11 @@ from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION
-from numpy_cae.mocap import body_of, load_body
+from numpy_cae.mocap import load_body
 from numpy_cae.mocap.formats.write import require_bvh
 from numpy_cae.mocap.retarget.body import Body
-from numpy_cae.viz import PROJECTED, TRUTH
+from numpy_cae.motion import features_to_positions
+from numpy_cae.viz import OTHERS, PROJECTED, TRUTH
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,10 +46,15 @@ def run(args: argparse.Namespace) -> int:
     note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")
     one_motion.write(made, args.output)
     if args.html:
-        actors = [
-            one_motion.body_actor(first.positions[:frames], args.first.stem, TRUTH),
-            one_motion.body_actor(body_of(made)[:frames], "between", PROJECTED),
-            one_motion.body_actor(second.positions[:frames], args.second.stem, TRUTH),
+        share = "transition" if args.share == TRANSITION else f"{args.share:.0%} of the second"
+        shown = [
+            (first.features[:frames], args.first.stem, TRUTH),
+            (between, f"between: {share}", PROJECTED),
+            (second.features[:frames], args.second.stem, OTHERS[0]),
+        ]
+        actors = [  # of features, which all begin at one place and face one way
+            one_motion.body_actor(features_to_positions(features), label, colour)
+            for features, label, colour in shown
         ]
         one_motion.write_page(args.output, "both motions and the one between", actors)
     return 0

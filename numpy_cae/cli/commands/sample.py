@@ -22,7 +22,7 @@ from numpy_cae.motion import Motion, features_to_positions
 from numpy_cae.motion.features import RootTransform
 from numpy_cae.viz import PROJECTED
 
-MOST_SHOWN, SECONDS = 5, 5.0
+SECONDS = 5.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,10 +57,10 @@ def run(args: argparse.Namespace) -> int:
         one_motion.write(motion, args.output.with_stem(stem))
     if args.html:
         actors = [
-            one_motion.body_actor(body_of(motion), str(number), PROJECTED)
-            for number, motion in enumerate(motions[:MOST_SHOWN], start=1)
+            one_motion.body_actor(body_of(motion), f"sample {number}", PROJECTED)
+            for number, motion in enumerate(motions, start=1)
         ]
-        one_motion.write_page(args.output, "motions drawn from the prior", actors)
+        one_motion.write_page(args.output, f"{args.number} drawn from the prior", actors)
     return 0
 
 

@@ -22,10 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the folder to write and the kind of picture."""
     add = parser.add_argument
     add("files", nargs="+", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
-    output = "folder to write, created if it does not exist (default: the current folder)"
-    add("-o", "--output", **arguments.FOLDER, default=Path(), help=output)
-    page = (
-        "write one interactive page with all motions instead of pictures; if a motion has the "
+    output = "folder to write, created if it does not exist (default: the current folder), or the "
+    output += ".html file of the page"
+    add("-o", "--output", type=Path, metavar="PATH", default=Path(), help=output)
+    page = "write one interactive page with all motions instead of pictures; if a motion has the "
+    page += (
         "joints and the number of frames of the first, its joints are coloured by their distance"
     )
     add("--html", **arguments.FLAG, help=page)
@@ -37,8 +38,13 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.mocap import load_motion
     from numpy_cae.viz import save_figure, save_viewer, strip_figure
 
-    pictures = {source: args.output / f"{source.stem}.png" for source in args.files}
-    if not args.html:
+    page, folder = None, args.output
+    if args.output.suffix.lower() == ".html":
+        page, folder = args.output, args.output.parent
+    elif args.html:
+        page = args.output / ("_".join(file.stem for file in args.files) + ".html")
+    pictures = {source: folder / f"{source.stem}.png" for source in args.files}
+    if page is None:
         require_one_target_each(pictures)
     motions = [load_motion(path, **vars(arguments.reading(args)[1])) for path in args.files]
     rate = motions[0].rate
@@ -46,15 +52,14 @@ def run(args: argparse.Namespace) -> int:
     for source, motion in zip(args.files, motions, strict=True):
         print(f"{source}: {motion}, {motion.seconds:.1f} s, {motion.note}")
         actors.append(motion_actor(motion, source.name, rate=rate))
-    args.output.mkdir(parents=True, exist_ok=True)
-    if args.html:
+    folder.mkdir(parents=True, exist_ok=True)
+    if page is not None:
         coloured = [
             replace(compared(actor, actors[0]), colour=colour)
             for actor, colour in zip(actors, cycle(COLOURS))
         ]
-        path = args.output / ("_".join(file.stem for file in args.files) + ".html")
-        save_viewer(coloured, path, rate)
-        print(f"{path}: open it in a browser")
+        save_viewer(coloured, page, rate)
+        print(f"{page}: open it in a browser")
         return 0
     for source, actor in zip(args.files, actors, strict=True):
         save_figure(strip_figure([actor], rate), pictures[source])
