@@ -12,6 +12,7 @@ the cubic through values and speeds at both ends.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -27,13 +28,16 @@ Curve = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant."""
 
 
-def pchip(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The monotone cubic of Fritsch and Butland (1984) through all keys: no overshoot."""
+def pchip(
+    keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
+) -> np.ndarray:
+    """The monotone cubic of Fritsch and Butland (1984) through all keys, or a derivative of it: no
+    overshoot."""
     from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
 
     if len(keys) == 1:
         return np.repeat(values, len(times), axis=0)
-    return PchipInterpolator(keys, values)(np.clip(times, keys[0], keys[-1]))
+    return PchipInterpolator(keys, values)(np.clip(times, keys[0], keys[-1]), derivative)
 
 
 def cubic(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -55,35 +59,38 @@ def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray
     return values[first] + share[:, None, None] * (values[last] - values[first])
 
 
-def with_speeds(curve: Curve, longest: float) -> Curve:
+def slerp_slope(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The slope of `slerp` at the two keys next to the hole, `times` (2,)."""
+    first, last = np.searchsorted(keys, times)
+    return (values[[last, last]] - values[[first, first]]) / (keys[last] - keys[first])
+
+
+def with_speeds(curve: Curve, slope: Curve, longest: float) -> Curve:
     """The curve with the speeds at both ends of the hole, by the module's equation, T <= longest.
 
-    Where the frames around the hole do not give its speed (`speed_at`), the curve is unchanged.
+    `slope` gives the slope of the curve at the two keys next to the hole. Where the frames around
+    the hole do not give its speed (`speed_at`), the curve is unchanged.
     """
 
     def changed(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
         result = curve(keys, values, times)
         after = int(np.searchsorted(keys, times[0]))
-        duration = keys[after] - keys[after - 1] if 0 < after < len(keys) else np.inf
-        thirds = min(duration / 3, 1.0) * np.arange(1, 4)
+        duration = longest
+        slopes = np.zeros((2, *values.shape[1:]))  # of the constant outside of the keys
+        if 0 < after < len(keys):
+            ends = keys[after - 1 : after + 1]
+            duration = min(longest, ends[1] - ends[0])
+            slopes = slope(keys, values, ends)
         outwards = (slice(after - 1, None, -1) if after else slice(0), slice(after, None))
-        for side, inwards in zip(outwards, (thirds, -thirds), strict=True):
+        for side, slope_there in zip(outwards, slopes, strict=True):
             speed = speed_at(keys[side], values[side])
             if speed is not None:
-                end = keys[side][0]
-                near = curve(keys, values, end + inwards)
-                t = (times - end)[:, None, None]
-                ramp = np.clip(1 - np.abs(t) / min(longest, duration), 0.0, None) ** 2
-                result += (speed - _slope(values[side][0], near, inwards[0])) * t * ramp
+                t = (times - keys[side][0])[:, None, None]
+                ramp = np.clip(1 - np.abs(t) / duration, 0.0, None) ** 2
+                result += (speed - slope_there) * t * ramp
         return result
 
     return changed
-
-
-def _slope(x: np.ndarray, near: np.ndarray, step: float) -> np.ndarray:
-    """The slope of a cubic where it is x, from its values `near` at 1, 2 and 3 steps from there."""
-    sign = np.sign(step)
-    return sign * (-11 * x + 18 * near[0] - 9 * near[1] + 2 * near[2]) / (6 * abs(step))
 
 
 def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
@@ -100,12 +107,13 @@ def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
 
 
 ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
-eased = with_speeds(pchip, EASE_SECONDS)
+pchip_slope = partial(pchip, derivative=1)
+eased = with_speeds(pchip, pchip_slope, EASE_SECONDS)
 CURVES: dict[str, Curve] = {
     "eased": eased,
-    "pchip": with_speeds(pchip, BRIEF_SECONDS),
+    "pchip": with_speeds(pchip, pchip_slope, BRIEF_SECONDS),
     "cubic": cubic,
-    "slerp": with_speeds(slerp, BRIEF_SECONDS),
+    "slerp": with_speeds(slerp, slerp_slope, BRIEF_SECONDS),
 }
 """CURVES: the curves of `fill` and `repair`; the speed jumps in none of them."""
 

@@ -84,8 +84,9 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
     # Every line of the header of a BVH file begins with a keyword or a brace.
     begins = re.compile(r"(?i)\s*([-+.\d]|nan|inf)" if is_bvh else r"\s*\d+\s*(#|$)")
-    numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
-    replacer = _Replacer(channels, numbers)
+    replacer = _Replacer(
+        channels, _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
+    )
     cut = len(before) - len(after)
     before = before.at(slice(cut, None)) if cut else before
     count = 0

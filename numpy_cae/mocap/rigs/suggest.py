@@ -55,7 +55,7 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
     places = skeleton.rest_positions()
     forward = np.zeros(3)
     for start in legs[1:]:
-        *_, ankle, toe = _limb(skeleton, chains[start])
+        ankle, toe = _limb(skeleton, chains[start])[3:]
         if ankle is not None and toe is not None:
             forward = forward + places[toe] - places[ankle]
     left = np.cross(places[found["chest"]] - places[found["hips"]], forward)
