@@ -13,6 +13,7 @@ differ.
 
 import csv
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -30,15 +31,14 @@ from studies.shared.result import Result, Table
 
 ROOT = Path(__file__).parents[1]
 LESSONS = ("03", "14")
-STYLES = (ROOT / "tests" / "course" / "right_styles.txt").read_text("utf-8").split("\ndef ")
-STYLES = [text if text.startswith("def ") else f"def {text}" for text in STYLES]
+STYLES = ROOT.joinpath("tests", "course", "right_styles.txt").read_text("utf-8")
 NAMES = (
     "ann", "ben", "carla", "david", "eve", "fay", "gus", "hana", "ivo", "jo", "kim", "lea", "max",
     "nia", "otto", "pia", "quin", "rosa", "sam", "tom", "=cmd()", "Zoë Müller", "anna-lena o'hara",
     "03", "a.b", "x" * 200, "\u202egnp", "tab\tname", "李雷", "nothing handed in",
 )  # fmt: skip
 BY_NBGRADER = (0, 6, 12, 13, 15, 16)
-
+RIGHT_OR_STUBS = (0, 1, 3)
 
 TWICE = """
 right = {0}
@@ -51,6 +51,11 @@ def {0}(*arguments):
 """TWICE: the gradients of an operation are twice what they should be."""
 
 
+def task_of(cell: dict) -> str:
+    """The exercise of a cell."""
+    return cell["metadata"]["nbgrader"]["grade_id"]
+
+
 def solved(name: str, source: str) -> str:
     """The cell of the instructor's copy."""
     return source
@@ -60,7 +65,7 @@ def in_a_style(number: int) -> Callable[[str, str], str]:
     """Another right function, in a style that a student would use."""
 
     def answer(name: str, source: str) -> str:
-        styles = [style for style in STYLES if style.startswith(f"def {name}(")]
+        styles = re.findall(rf"^def {name}\(.*?(?=\ndef |\Z)", STYLES, re.DOTALL | re.MULTILINE)
         return styles[number % len(styles)] if styles else source
 
     return answer
@@ -110,12 +115,14 @@ HOSTILE = (
 )
 
 
-def answers(number: int) -> Callable[[str, str], str] | None:
-    """What the student of this number does with an exercise; None keeps the stub."""
+def answers(number: int) -> tuple[int, Callable[[str, str], str] | None]:
+    """What the student of this number does with an exercise, None to keep the stub; and its kind,
+    which is in `RIGHT_OR_STUBS` where the points are known."""
     if 12 <= number < 12 + len(HOSTILE):
-        return HOSTILE[number - 12]
+        return len(RIGHT_OR_STUBS) + 1, HOSTILE[number - 12]
     kinds = (solved, in_a_style(number), mistaken(random.Random(number)), None)
-    return kinds[number // 3 % len(kinds)] if number < 12 else kinds[number % 3]
+    kind = number // 3 % len(kinds) if number < 12 else number % 3
+    return kind, kinds[kind]
 
 
 def hand_in(folder: Path) -> dict[tuple[str, str], int]:
@@ -125,23 +132,17 @@ def hand_in(folder: Path) -> dict[tuple[str, str], int]:
         for number, name in enumerate(NAMES[:-1]):
             if number % 3 and path.name.startswith("14"):
                 continue  # a missing lesson
-            notebook, answer = read_notebook(path), answers(number)
+            kind, answer = answers(number)
+            notebook = read_notebook(path)
             copy = student_copy(notebook)
             for cell, right in zip(copy["cells"], notebook["cells"], strict=True):
                 if is_exercise(right) and answer:
-                    task = right["metadata"]["nbgrader"]["grade_id"]
-                    cell["source"] = answer(task, STUBBED.sub("", right["source"]))
+                    cell["source"] = answer(task_of(right), STUBBED.sub("", right["source"]))
             into = folder / name / path.name
             into.parent.mkdir(parents=True, exist_ok=True)
             write_notebook(copy, into)
-            tasks = [
-                c["metadata"]["nbgrader"]["grade_id"] for c in filter(is_exercise, copy["cells"])
-            ]
-            if (
-                answer is None
-                or answer is solved
-                or getattr(answer, "__qualname__", "").startswith("in_a")
-            ):
+            if kind in RIGHT_OR_STUBS:
+                tasks = [task_of(cell) for cell in filter(is_exercise, copy["cells"])]
                 expected |= {(name, t): EXERCISES[t].points if answer else 0 for t in tasks}
     return expected
 

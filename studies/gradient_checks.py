@@ -40,7 +40,7 @@ def _on_functions() -> Table:
             for check, said in verdicts.items():
                 counts[check] += said == "right"
             rows.append([name, word, *verdicts.values()])
-    rows.append([f"right of {len(rows)}", "", *counts.values()])
+    rows.append([f"right of {len(rows)}", "", *(n or "not installed" for n in counts.values())])
     return Table("", ["function", "pullback", *CHECKS], rows)
 
 
@@ -60,7 +60,7 @@ def _on_bugs() -> list[Table]:
         rows.append([links, bug.fields["mistake"], ", ".join(missed)])
     of = f"of {len(every)}"
     header = ["check", f"wrong ones found, {of}", f"right ones refused, {of}"]
-    counts = [[check, found[check], refused[check]] for check in CHECKS_ON_BUGS]
+    counts = [[name, found[name] or "not installed", refused[name]] for name in CHECKS_ON_BUGS]
     return [Table("", ["wrong gradient", "mistake", "missed by"], rows), Table("", header, counts)]
 
 
