@@ -28,7 +28,7 @@ def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTIO
     "lesson", [a_lesson("### BEGIN SOLUTION\n    return 2"), a_lesson(marked=False)]
 )
 def test_a_damaged_lesson_is_an_error(lesson):
-    with pytest.raises(ValueError, match="without ### END|in a cell that is no exercise"):
+    with pytest.raises(ValueError, match=r"without ### END|in a cell that is no exercise"):
         student_copy(lesson)
 
 
