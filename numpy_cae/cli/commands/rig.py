@@ -15,8 +15,8 @@ from pathlib import Path
 from numpy_cae.cli.shared import arguments
 
 TRUSTED = 15
-"""TRUSTED: from so many names on that a known rig has too, these names are trusted more than the
-suggestion by the hierarchy."""
+"""TRUSTED: if at least this many of the twenty joints have the names of a known rig, the names
+decide and not the hierarchy."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

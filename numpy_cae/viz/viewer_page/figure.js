@@ -78,6 +78,7 @@ export class Figure {
   // is seen within it as if it were not there.
   setGhost(ghost) {
     this.wider = ghost ? GHOST.wider : 1;
+    this.shadow.visible = !ghost && !this.light;
     const side = ghost ? THREE.BackSide : THREE.FrontSide;
     Object.assign(this.material, { transparent: ghost, depthWrite: !ghost, opacity: ghost ? GHOST.opacity : 1, side });
     this.material.needsUpdate = true;
@@ -130,7 +131,7 @@ export class Figure {
 
   // Fewer triangles and no shadow.
   lighten() {
-    this.shadow.visible = false;
+    this.light = true;
     for (const [mesh, coarse] of [[this.balls, new THREE.OctahedronGeometry(1, 1)],
       [this.bones, new THREE.CylinderGeometry(1, 1, 1, 5, 1, true).translate(0, 0.5, 0)]]) {
       mesh.geometry.dispose();
