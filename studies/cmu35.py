@@ -162,7 +162,12 @@ def _claims(groups: Sequence[_Group]) -> list[Claim]:
         of = f"{group.name} hidden"
         also = f"; {simple} {other[0]:.1f} and {other[1]:.2f}°."
         claims += [
-            Claim("below_published", bool((ours < best).all()), f"{figures}; {tuple(best)}.", of),
+            Claim(
+                "below_published",
+                bool((ours < best).all()),
+                f"{figures}; published {best[0]} and {best[1]}°.",
+                of,
+            ),
             Claim("below_simple", bool((ours < other).all()), figures + also, of),
         ]
     return claims

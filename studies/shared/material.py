@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from numpy_cae.cli.shared.takes import each_usable
-from numpy_cae.mocap import Coordinates, MotionFileError
+from numpy_cae.mocap import Coordinates
 from numpy_cae.mocap.load import is_test, load_body, load_motion
 from numpy_cae.mocap.rigs.rigs import Mappings
 from numpy_cae.motion import Motion
@@ -125,26 +125,15 @@ def labels_of(path: Path) -> tuple[str, str, str]:
     if named:
         return _BANDAI_NAMCO, named["content"], named["style"]
     for folder in list(path.parents)[:2]:
-        table, name = folder / _LABELS, path.relative_to(folder).as_posix()
-        rows = _read_labels(table, table.stat().st_mtime_ns) if table.is_file() else {}
-        if name in rows:
-            return _SYNTHETIC, rows[name]["kind"], rows[name]["style"]
+        table = folder / _LABELS
+        rows = _read_labels(table) if table.is_file() else {}
+        if row := rows.get(path.relative_to(folder).as_posix()):
+            return _SYNTHETIC, row["kind"], row["style"]
     return _UNLABELLED, "", ""
 
 
 @lru_cache(maxsize=16)
-def _read_labels(table: Path, changed: int) -> dict[str, dict[str, str]]:
-    """The rows of a labels.csv by file. The result is cached; `changed`, the time of the last
-    change, makes sure that a changed table is read again."""
-    try:
-        with open(table, newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file, strict=True)
-            rows = list(reader)
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise MotionFileError(table, None, f"is no table of labels: {error}") from None
-    if "file" not in (reader.fieldnames or ()):
-        return {}  # not a table of data_synth
-    for number, row in enumerate(rows, start=2):
-        if not all(row.get(column) is not None for column in ("file", "kind", "style")):
-            raise MotionFileError(table, number, "expected the columns file, kind and style")
-    return {row["file"]: row for row in rows}
+def _read_labels(table: Path) -> dict[str, dict[str, str]]:
+    """The rows of a labels.csv of data_synth by file."""
+    with open(table, newline="", encoding="utf-8") as file:
+        return {row.get("file", ""): row for row in csv.DictReader(file)}
