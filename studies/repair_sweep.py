@@ -11,6 +11,8 @@ A removed value is zero, the value of the mean pose. So the expected value is E[
 and the linear methods and the network are also given X_c / (1 - p), whose expected value is X.
 """
 
+from collections import defaultdict
+
 import numpy as np
 
 from numpy_cae.evaluation import PCA
@@ -53,48 +55,48 @@ def repair_baselines(split: Split) -> dict[str, tuple[PCA, PCA]]:
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Remove values of test windows, drawn from the seed, and repair them with every method."""
     split = split_of(manifold, material)
-    choosing, testing = split.choosing, split.testing
-    baselines = repair_baselines(split)
-    moments = Moments.of(split.training.x, split.training.real)
-    floor = testing.error(project_shifted(manifold.network, testing.x))
-    errors: Errors = {}
-
-    def note(name: str, repaired: np.ndarray) -> None:
-        errors.setdefault(name, []).append(testing.error(repaired))
-
-    for number, p in enumerate(PS):
-        rng = np.random.default_rng([seed, number])
-        practice, _ = _removed(choosing, p, rng)
-        damaged, known = _removed(testing, p, rng)
-        note(CORRUPTED_ROW, damaged)
-        for suffix, factor in (("", 1.0), (RESCALED, 1 / (1 - p))):
-            for name, (trial, pca) in baselines.items():
-                tried = [
-                    choosing.error(trial.project(practice * factor, size)) for size in trial.sizes
-                ]
-                best = trial.sizes[int(np.argmin(tried))]
-                note(name + suffix, pca.project(damaged * factor, best))
-            note(NETWORK + suffix, project_shifted(manifold.network, damaged * factor))
-            note(REPEATED + suffix, project_repeated(manifold, damaged * factor))
-            if bool(suffix) == manifold.rescales:
-                averaged = project_repeated(manifold, damaged * factor, average_shifts=True)
-                note(AVERAGED + suffix, averaged)
-        note(LINEAR, moments.solve(1 - p).repair(damaged))
-        note(INTERPOLATED, interpolated(damaged, known))
-
+    errors = swept(manifold, split, seed)
+    floor = split.testing.error(project_shifted(manifold.network, split.testing.x))
     columns = [f"p = {p}" for p in PS]
     *rows, mask_given = ([name, *row] for name, row in errors.items())
-    tables = [
-        Table("Error, cm, mask unknown:", ["mask unknown", *columns], rows, best="low"),
-        Table("An easier problem, mask given:", ["mask given", *columns], [mask_given]),
-    ]
     return Result(
         "Repair: values removed with probability p",
-        tables,
+        [
+            Table("Error, cm, mask unknown:", ["mask unknown", *columns], rows, best="low"),
+            Table("An easier problem, mask given:", ["mask given", *columns], [mask_given]),
+        ],
         _claims(errors, floor, RESCALED if manifold.rescales else ""),
         {"repair_sweep": Picture(lambda: _figure(errors))},
         note=f"{split.sample} {split.fitted()}",
     )
+
+
+def swept(manifold: MotionManifold, split: Split, seed: int) -> Errors:
+    """The errors of every method, cm, for each p."""
+    baselines = repair_baselines(split)
+    moments = Moments.of(split.training.x, split.training.real)
+    errors: Errors = defaultdict(list)
+    for number, p in enumerate(PS):
+        rng = np.random.default_rng([seed, number])
+        practice, _ = _removed(split.choosing, p, rng)
+        damaged, known = _removed(split.testing, p, rng)
+        repaired = {CORRUPTED_ROW: damaged}
+        for suffix, factor in (("", 1.0), (RESCALED, 1 / (1 - p))):
+            for name, (trial, pca) in baselines.items():
+                tried = {s: trial.project(practice * factor, s) for s in trial.sizes}
+                best = min(tried, key=lambda size: split.choosing.error(tried[size]))
+                repaired[name + suffix] = pca.project(damaged * factor, best)
+            x = damaged * factor
+            repaired[NETWORK + suffix] = project_shifted(manifold.network, x)
+            repaired[REPEATED + suffix] = project_repeated(manifold, x)
+            if bool(suffix) == manifold.rescales:
+                averaged = project_repeated(manifold, x, average_shifts=True)
+                repaired[AVERAGED + suffix] = averaged
+        repaired[LINEAR] = moments.solve(1 - p).repair(damaged)
+        repaired[INTERPOLATED] = interpolated(damaged, known)
+        for name, x in repaired.items():
+            errors[name].append(split.testing.error(x))
+    return errors
 
 
 def _removed(clips: Clips, p: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
