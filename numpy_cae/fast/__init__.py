@@ -9,15 +9,17 @@ Reading order, each file using those before it:
 blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w))
 convolution                  `conv1d` by blocks, with its pullback: the whole idea in one function
 products                     matrix products in pieces that BLAS multiplies at full speed
-filter_spectra               G w of a layer, and the gradient for w, for the windows of all threads
-tied_convolution             W in the encoder and W̃ in the decoder with one transform of the filters
+layer_sizes                  which form of the convolution is the cheapest for a layer
+spectral_convolution         W in the encoder and W̃ in the decoder with one transform of the filters
+direct_convolution           the same by the definition's own form, for training with one window
 fast_layer                   equations 1 and 2 with their pullbacks in fixed buffers
+worker                       one thread's windows through all layers and back
 blas, thread_team            Python threads that share the windows, each with one BLAS thread
-workspace                    the buffers of all threads, and what they share
+workspace                    the workers, and what they share
 fast_conv_autoencoder        `ConvAutoencoder` with these
-recurrence                   one GRU over a clip, without temporary arrays
-gru_matrices                 its weights, rearranged into one matrix per product
-sequence_worker              one thread's clips through both GRUs and back
+gru_matrices                 the weights of a GRU, rearranged into one matrix per product
+fast_gru                     one GRU over the clips of a thread, without temporary arrays
+sequence_engine              both GRUs on a team of threads
 fast_sequential_autoencoder  `SequentialAutoencoder` with these
 """
 

@@ -33,7 +33,9 @@ def _openblas():
             read = getattr(library, name.format("get_num_threads"), None)
             write = getattr(library, name.format("set_num_threads"), None)
             if read is not None and write is not None:
-                read.restype, write.argtypes, write.restype = ctypes.c_int, [ctypes.c_int], None
+                read.restype = ctypes.c_int
+                write.restype = None
+                write.argtypes = [ctypes.c_int]
                 return read, write
     return None
 

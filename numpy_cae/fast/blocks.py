@@ -74,27 +74,26 @@ class Blocks:
 def blocks(taps: int, frames: int, dtype: str = "float64") -> Blocks:
     """The matrices, computed in float64 and rounded to `dtype`; cached for each argument."""
     points = frames + taps - 1
-    n, k, t = np.arange(points), np.arange(taps), np.arange(frames)
-    a: list[np.ndarray] = []
-    g: list[np.ndarray] = []
-    c: list[np.ndarray] = []
-    for f in range(points // 2 + 1):
-        angle = 2 * np.pi * f / points
-        cos, sin = np.cos(angle * n), np.sin(angle * n)
-        cos_k, sin_k = np.cos(angle * k), np.sin(angle * k)
-        cos_t, sin_t = np.cos(angle * t) / points, np.sin(angle * t) / points
-        if 2 * f in (0, points):
-            a += [cos]
-            g += [cos_k]
-            c += [cos_t]
-        else:  # y = 2 (real · cos - imaginary · sin) / N: the factor 2 is for -f
-            a += [cos - sin, cos, -sin]
-            g += [cos_k, sin_k - cos_k, cos_k + sin_k]
-            c += [2 * (cos_t - sin_t), -2 * sin_t, -2 * cos_t]
-    made = [np.array(a), np.array(g), np.array(c).T]
-    matrices = [np.ascontiguousarray(matrix, dtype=dtype) for matrix in made]
-    for matrix in matrices:
-        matrix.flags.writeable = False
+    f = np.arange(points // 2 + 1)
+    real = 2 * f % points == 0
+
+    def waves(count: int) -> tuple[np.ndarray, np.ndarray]:
+        """cos(2π f n / N) and sin(2π f n / N) for the first values of n, (frequencies, count)."""
+        angles = (2 * np.pi * f / points)[:, None] * np.arange(count)
+        return np.cos(angles), np.sin(angles)
+
+    cos, sin = waves(points)
+    a = np.stack([cos - sin, cos, -sin], axis=1)
+    cos, sin = waves(taps)
+    g = np.stack([cos, sin - cos, cos + sin], axis=1)
+    cos, sin = waves(frames)  # y = 2 (real · cos - imaginary · sin) / N: the factor 2 is for -f
+    c = np.stack([cos - sin, -sin, -cos], axis=1) * np.where(real, 1, 2)[:, None, None] / points
+    needed = np.ones((len(f), 3), bool)
+    needed[real, 1:] = False
+    matrices = []
+    for matrix in (a[needed], g[needed], c[needed].T):
+        matrices.append(np.ascontiguousarray(matrix, dtype=dtype))
+        matrices[-1].flags.writeable = False
     return Blocks(*matrices)
 
 

@@ -53,7 +53,7 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     if taps % 2 == 0:
         raise ValueError(f"w has shape {w.shape}: the number of taps must be odd, got {taps}")
 
-    batch, frames, _ = x.shape
+    batch, frames = x.shape[:2]
     dtype = np.result_type(x, w, b)
     length, count = block_length(frames, MAX_BLOCK_FRAMES)
     matrices = blocks(taps, length, dtype.name)
@@ -77,8 +77,7 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
         dx_blocks = _synthesise(matrices.a.T, du.reshape(products, count, -1))
         dx_padded = np.empty_like(padded)
         overlap_add(dx_blocks, matrices, dx_padded)
-        dx = _batch_first(dx_padded[taps // 2 :], batch, frames)
-        return dx, dw, dy.sum(axis=(0, 1))
+        return _batch_first(dx_padded[taps // 2 :], batch, frames), dw, dy.sum(axis=(0, 1))
 
     return y, pullback
 

@@ -8,7 +8,11 @@ frames.
 
 import numpy as np
 
-from numpy_cae.fast.tied_convolution import TiedConvolution, buffer
+from numpy_cae.fast.direct_convolution import DirectConvolution
+from numpy_cae.fast.products import zeros
+from numpy_cae.fast.spectral_convolution import SpectralConvolution
+
+Convolution = SpectralConvolution | DirectConvolution
 
 
 class FastLayer:
@@ -16,75 +20,90 @@ class FastLayer:
 
     Parameters
     ----------
-    convolution : TiedConvolution
+    convolution : Convolution
     bound : float
         Where arctanh clips.
-    y : (T/2, B·D) array
+    y : (T/2, B, D) array
         Receives what the layer encodes: the input of the layer above.
+    training : bool
+        Whether the pullbacks will be called.
+
+    Attributes
+    ----------
+    b : (D,) array
+        The bias; the caller sets it.
+    db : (D,) array
+        Its gradient for the windows of this thread.
     """
 
-    def __init__(self, convolution: TiedConvolution, bound: float, y: np.ndarray):
-        self.convolution, self.bound, self.y = convolution, bound, y
-        frames, width = y.shape
-        self._clipped, self._slope, self._scratch = (
-            buffer(frames, width, y.dtype) for _ in range(3)
-        )
-        self._earlier_won, self._inside = (np.empty(y.shape, bool) for _ in range(2))
+    def __init__(self, convolution: Convolution, bound: float, y: np.ndarray, training: bool):
+        self.convolution = convolution
+        self.bound = bound
+        self.y = y
+        self.training = training
+        self.b = np.zeros(y.shape[2], y.dtype)
+        self.db = np.zeros_like(self.b)
+        self._clipped = zeros(y.shape, y.dtype)
+        self._scratch = zeros(y.shape, y.dtype)
+        self._earlier_won = np.empty(y.shape, bool)
+        self._inside = np.empty(y.shape, bool)
         self._first: np.ndarray | None = None
 
-    def encode(self, b: np.ndarray) -> None:
+    def encode(self) -> None:
         """y = tanh(max(pairs of x * W) + b), equation 1."""
-        convolved, y = self.convolution.convolve(), self.y
-        earlier, later = convolved[0::2], convolved[1::2]
-        np.greater_equal(earlier, later, out=self._earlier_won)
-        np.maximum(earlier, later, out=y)
-        _for_each_window(y, b)[...] += b
+        convolved = self.convolution.convolve()
+        earlier = convolved[0::2]
+        later = convolved[1::2]
+        if self.training:
+            np.greater_equal(earlier, later, out=self._earlier_won)
+        y = np.maximum(earlier, later, out=self.y)
+        y += self.b
         np.tanh(y, out=y)
 
-    def decode(self, y: np.ndarray, b: np.ndarray, first: np.ndarray | None) -> np.ndarray:
-        """(Ψ†(tanh⁻¹(y)) - b) * W̃, equation 2: (T, B·C)."""
+    def decode(self, y: np.ndarray, first: np.ndarray | None) -> np.ndarray:
+        """(Ψ†(tanh⁻¹(y)) - b) * W̃, equation 2: (T, B, C).
+
+        `first`, (B, T/2, D), is the mask of `ops.unpool_random`.
+        """
         np.clip(y, -self.bound, self.bound, out=self._clipped)
-        np.equal(y, self._clipped, out=self._inside)
+        if self.training:
+            np.equal(y, self._clipped, out=self._inside)
         activated = np.arctanh(self._clipped, out=self._scratch)
         z = self.convolution.z
-        self._first = first
         if first is None:  # one row of z is both frames of a pair
+            self._first = None
             np.multiply(activated, 0.5, out=z)
         else:
-            np.multiply(activated, first, out=z[0::2])
+            self._first = np.ascontiguousarray(first.transpose(1, 0, 2))
+            np.multiply(activated, self._first, out=z[0::2])
             np.subtract(activated, z[0::2], out=z[1::2])
-        _for_each_window(z, b)[...] -= b
+        z -= self.b
         return self.convolution.convolve_transposed()
 
-    def decode_pullback(self, db: np.ndarray, dy: np.ndarray) -> None:
+    def decode_pullback(self, dy: np.ndarray) -> None:
         """From dx̂ in the convolution's `error` to dy; db gets the decoder's share."""
-        dz, d_activated = self.convolution.convolve_transposed_pullback(), self._scratch
+        dz = self.convolution.convolve_transposed_pullback()
+        d_activated = self._scratch
         if self._first is None:  # dz is the sum for both frames of a pair
             np.multiply(dz, 0.5, out=d_activated)
         else:
-            earlier, later = dz[0::2], dz[1::2]
-            np.subtract(earlier, later, out=d_activated)
+            np.subtract(dz[0::2], dz[1::2], out=d_activated)
             d_activated *= self._first
-            d_activated += later
-        np.negative(_for_each_window(dz, db).sum(axis=(0, 1)), out=db)
+            d_activated += dz[1::2]
+        np.negative(dz.sum(axis=(0, 1)), out=self.db)
         # d arctanh = 1 / (1 - y²) inside the bound, 0 beyond
-        np.multiply(self._clipped, self._clipped, out=self._slope)
-        np.subtract(1, self._slope, out=self._slope)
+        slope = np.multiply(self._clipped, self._clipped, out=self._clipped)
+        np.subtract(1, slope, out=slope)
         d_activated *= self._inside
-        np.divide(d_activated, self._slope, out=dy)
+        np.divide(d_activated, slope, out=dy)
 
-    def encode_pullback(self, dy: np.ndarray, db: np.ndarray, with_dx: bool) -> np.ndarray | None:
+    def encode_pullback(self, dy: np.ndarray, with_dx: bool) -> np.ndarray | None:
         """From dy, which is overwritten, to dx if it is wanted; adds the encoder's share to db."""
-        np.multiply(self.y, self.y, out=self._slope)
-        np.subtract(1, self._slope, out=self._slope)
-        dy *= self._slope
-        db += _for_each_window(dy, db).sum(axis=(0, 1))
+        slope = np.multiply(self.y, self.y, out=self._scratch)
+        np.subtract(1, slope, out=slope)
+        dy *= slope
+        self.db += dy.sum(axis=(0, 1))
         d_convolved = self.convolution.d_convolved
         np.multiply(dy, self._earlier_won, out=d_convolved[0::2])
         np.subtract(dy, d_convolved[0::2], out=d_convolved[1::2])
         return self.convolution.convolve_pullback(with_dx)
-
-
-def _for_each_window(rows: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(T, B·D) as (T, B, D), the same memory."""
-    return rows.reshape(len(rows), -1, len(b))

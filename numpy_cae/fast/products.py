@@ -20,12 +20,19 @@ MAX_UNPACKED = 1_000_000
 MAX_UNPACKED_TRANSPOSED = 1200
 """Elements of the result of a product that is not packed, its second factor transposed."""
 
-ROWS, COLUMNS = 16, 512
-"""Rows and columns of a piece, at most. The kernels compute 8 or 16 rows at a time, and a piece of
-another height is up to twice as slow; wider pieces leave the first level of the cache."""
+ROWS = 24
+"""A piece has at most so many rows. The kernels compute 4, 6 or 8 rows at a time, and a piece of
+another height is up to twice as slow."""
+
+COLUMNS = 512
+"""A piece has at most so many columns; wider pieces leave the first level of the cache."""
 
 CACHE_LINE = 64
 """Bytes."""
+
+ROW_PADDING = 16
+"""Floats added to each row of a buffer. Rows whose distance is a power of two are mapped to the
+same lines of the cache, and a product along the columns then takes a quarter longer."""
 
 
 def aligned_empty(shape: tuple[int, ...], dtype: np.dtype | type) -> np.ndarray:
@@ -36,16 +43,58 @@ def aligned_empty(shape: tuple[int, ...], dtype: np.dtype | type) -> np.ndarray:
     return memory[start : start + size].view(dtype).reshape(shape)
 
 
-def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
-    """out[s] = a[s] · b[s], in groups of rows of each a[s].
+def zeros(shape: tuple[int, ...], dtype: np.dtype | type) -> np.ndarray:
+    """As `np.zeros`, aligned, with `ROW_PADDING` between the elements of the first axis."""
+    array = Memory(np.dtype(dtype))(*shape)
+    array[...] = 0
+    return array
 
-    a is (S, R, M), b is (S, M, N), possibly a transposed view, and out is (S, R, N).
+
+class Memory:
+    """Memory for arrays that are not needed at the same time: less of it stays in the cache.
+
+    Parameters
+    ----------
+    dtype : dtype
     """
-    inner, columns = b.shape[1:]
-    rows = min(ROWS, MAX_UNPACKED // max(inner * columns, 1))
+
+    def __init__(self, dtype: np.dtype):
+        self._flat = aligned_empty((0,), dtype)
+        self._views: dict[tuple[int, ...], np.ndarray] = {}
+
+    def __call__(self, *shape: int) -> np.ndarray:
+        """An array with any contents, as `zeros` otherwise."""
+        if shape not in self._views:
+            width = int(np.prod(shape[1:]))
+            size = shape[0] * (width + ROW_PADDING)
+            if size > self._flat.size:
+                self._flat = aligned_empty((size,), self._flat.dtype)
+                self._views = {}
+            padded = self._flat[:size].reshape(shape[0], width + ROW_PADDING)
+            self._views[shape] = padded[:, :width].reshape(shape)
+        return self._views[shape]
+
+
+def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
+    """out = a · b or, for each s, out[s] = a[s] · b[s], in groups of rows of a.
+
+    a is (…, R, M), b is (…, M, N), possibly a transposed view, and out is (…, R, N). The groups of
+    one s follow one another, while b[s] is in the cache.
+    """
+    inner, columns = b.shape[-2:]
+    rows = MAX_UNPACKED // max(inner * columns, 1)
     if b.strides[-1] != b.itemsize:
         rows = min(rows, MAX_UNPACKED_TRANSPOSED // max(columns, 1))
-    _in_groups(a, b, out, rows // 8 * 8 or max(rows, 1))
+    whole = 0
+    if rows < a.shape[-2]:
+        rows = min(rows, ROWS) // 8 * 8 or max(rows, 1)
+        whole = a.shape[-2] // rows * rows
+        groups = *a.shape[:-2], whole // rows, rows
+        a_groups = a[..., :whole, :].reshape(*groups, inner)
+        out_groups = out[..., :whole, :].reshape(*groups, columns)
+        np.matmul(a_groups, b[..., None, :, :], out=out_groups)
+    if whole < a.shape[-2]:
+        np.matmul(a[..., whole:, :], b, out=out[..., whole:, :])
 
 
 def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
@@ -63,44 +112,7 @@ def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
         np.matmul(a, b[..., whole:], out=out[..., whole:])
 
 
-def _in_groups(a: np.ndarray, b: np.ndarray, out: np.ndarray, rows: int) -> None:
-    """Groups of `rows` rows; for each s they follow one another, while b[s] is in the cache."""
-    products, total, _ = a.shape
-    whole = total // rows * rows
-    if whole:
-        groups = products, whole // rows, rows
-        np.matmul(
-            a[:, :whole].reshape(*groups, a.shape[-1]),
-            b[:, None],
-            out=out[:, :whole].reshape(*groups, out.shape[-1]),
-        )
-    if whole < total:
-        np.matmul(a[:, whole:], b, out=out[:, whole:])
-
-
 def _by_columns(array: np.ndarray, at_once: int) -> np.ndarray:
     """(J, K, W) as (J, W / at_once, K, at_once), the same memory."""
     count, rows, width = array.shape
     return array.reshape(count, rows, width // at_once, at_once).transpose(0, 2, 1, 3)
-
-
-class RowGroups:
-    """out = a · b for the same contiguous a and out and many b of few columns, by groups of rows.
-
-    The kernels compute 4 rows of 64 columns at a time, or 6 rows of fewer columns.
-    """
-
-    def __init__(self, a: np.ndarray, out: np.ndarray):
-        inner, columns = a.shape[1], out.shape[1]
-        multiple = 4 if columns % 64 == 0 else 6
-        unpacked = MAX_UNPACKED // (inner * columns) // multiple * multiple
-        rows = min(unpacked or len(a), len(a))
-        whole = len(a) // rows * rows
-        self._pairs = [[part[:whole].reshape(-1, rows, part.shape[1]) for part in (a, out)]]
-        if whole < len(a):
-            self._pairs.append([a[whole:], out[whole:]])
-
-    def __call__(self, b: np.ndarray) -> None:
-        """Compute `out` from b, (K, N)."""
-        for rows, out in self._pairs:
-            np.matmul(rows, b, out=out)

@@ -10,10 +10,14 @@ import os
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from contextvars import copy_context
 from functools import lru_cache
 
 from numpy_cae.fast.blas import blas_threads, one_blas_thread
+
+Part = Callable[[int], slice]
+"""Takes a number of items, and returns the thread's part of them."""
 
 
 class ThreadTeam:
@@ -25,12 +29,13 @@ class ThreadTeam:
         self._barrier = threading.Barrier(size)
         self._others = ThreadPoolExecutor(max(size - 1, 1), "numpy_cae")
 
-    def run(self, work: Callable[[int], None]) -> None:
-        """Call work(0), work(1), … in parallel, each with one BLAS thread, and wait for all.
+    def run(self, work: Callable[[int], None], blas_threads: int = 1) -> None:
+        """Call work(0), work(1), … in parallel and wait for all, each with one BLAS thread.
 
-        If a worker fails, the others are released and its error is raised.
+        With another number of `blas_threads`, BLAS uses as many as outside of a team. If a worker
+        fails, the others are released and its error is raised.
         """
-        with self._lock, one_blas_thread():
+        with self._lock, one_blas_thread() if blas_threads == 1 else nullcontext():
             jobs = [  # in the caller's context, which holds its settings of NumPy's warnings
                 self._others.submit(copy_context().run, self._guarded, work, worker)
                 for worker in range(1, self.size)

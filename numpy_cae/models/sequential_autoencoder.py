@@ -15,7 +15,7 @@ Every value is computed by `numpy_cae.ops`, every gradient by the pullbacks in r
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -168,19 +168,29 @@ class SequentialAutoencoder:
         z : (B, latent) array
         pullback : dz -> gradients by name
         """
-        weights = self.weights
-        require_clips("x", x, weights)
-        h0 = np.zeros((len(x), len(weights["encoder_u"])), weights["encoder_u"].dtype)
-        states, gru_pullback = ops.gru(x, h0, *gru_weights(weights, "encoder"))
-        z, latent_pullback = ops.linear(states[:, -1], weights["latent_w"], weights["latent_b"])
+        require_clips("x", x, self.weights)
+        h, read_pullback = self._read(x)
+        z, latent_pullback = ops.linear(h, self.weights["latent_w"], self.weights["latent_b"])
 
         def pullback(dz: np.ndarray) -> Weights:
-            d_states = np.zeros_like(states)
-            d_states[:, -1], dw, db = latent_pullback(dz)
-            _, _, *gru_gradients = gru_pullback(d_states)
-            return {**_named("encoder", gru_gradients), "latent_w": dw, "latent_b": db}
+            dh, dw, db = latent_pullback(dz)
+            return {**read_pullback(dh), "latent_w": dw, "latent_b": db}
 
         return z, pullback
+
+    def _read(self, x: np.ndarray) -> tuple[np.ndarray, Pullback]:
+        """h_T of the encoder, and the pullback that takes dh_T to the gradients by name."""
+        weights = gru_weights(self.weights, "encoder")
+        h0 = np.zeros((len(x), self.hidden), weights[0].dtype)
+        states, gru_pullback = ops.gru(x, h0, *weights)
+
+        def pullback(dh: np.ndarray) -> Weights:
+            d_states = np.zeros_like(states)
+            d_states[:, -1] = dh
+            _, _, *gradients = gru_pullback(d_states)
+            return _named("encoder", gradients)
+
+        return states[:, -1], pullback
 
     def decode_with_pullback(
         self, z: np.ndarray, frames: int = FRAMES
@@ -223,20 +233,48 @@ class SequentialAutoencoder:
         x_hat : (B, T, features) array
         pullback : dx_hat -> (dz, gradients by name)
         """
-        weights = self.weights
-        require_latent(z, frames, weights)
-        h, state_pullback = ops.linear(z, weights["state_w"], weights["state_b"])
-        written, written_pullback = _write_frames(h, self.burn_in + frames, weights)
+        require_latent(z, frames, self.weights)
+        h, state_pullback = ops.linear(z, self.weights["state_w"], self.weights["state_b"])
+        written, write_pullback = self._write(h, self.burn_in + frames)
         x_hat = np.stack(written[: -frames - 1 : -1], axis=1)  # the last T, the last one first
 
         def pullback(dx_hat: np.ndarray) -> tuple[np.ndarray, Weights]:
             d_written = [np.zeros_like(dx_hat[:, 0])] * self.burn_in
             d_written += [dx_hat[:, t] for t in reversed(range(frames))]
-            dh, of_steps = written_pullback(d_written)
+            dh, of_steps = write_pullback(d_written)
             dz, d_state_w, d_state_b = state_pullback(dh)
             return dz, {"state_w": d_state_w, "state_b": d_state_b, **of_steps}
 
         return x_hat, pullback
+
+    def _write(self, h: np.ndarray, steps: int) -> tuple[Sequence[np.ndarray], Pullback]:
+        """y_1, y_2, … from h_0, and the pullback that takes their gradients to dh_0 and the
+        gradients by name; the equations are those of `decode_with_pullback`."""
+        gru = gru_weights(self.weights, "decoder")
+        frame = self.weights["frame_w"], self.weights["frame_b"]
+        y = np.zeros((len(h), self.features), h.dtype)
+        written = []
+        pullbacks = []
+        for _ in range(steps):
+            h, step_pullback = ops.gru_step(y, h, *gru)
+            y, frame_pullback = ops.linear(h, *frame)
+            written.append(y)
+            pullbacks.append((step_pullback, frame_pullback))
+
+        def pullback(d_written: Sequence[np.ndarray]) -> tuple[np.ndarray, Weights]:
+            totals = [np.zeros_like(weight) for weight in (*gru, *frame)]
+            dy_fed = np.zeros_like(y)
+            dh = np.zeros_like(h)
+            for k in reversed(range(steps)):
+                step_pullback, frame_pullback = pullbacks[k]
+                dh_through_frame, *frame_terms = frame_pullback(d_written[k] + dy_fed)
+                dy_fed, dh, *gru_terms = step_pullback(dh + dh_through_frame)
+                for total, term in zip(totals, (*gru_terms, *frame_terms), strict=True):
+                    total += term
+            of_frame = {"frame_w": totals[4], "frame_b": totals[5]}
+            return dh, _named("decoder", totals[:4]) | of_frame
+
+        return written, pullback
 
     def loss_and_gradients(
         self, x: np.ndarray, prior: np.ndarray, directions: np.ndarray, weight: float
@@ -271,40 +309,6 @@ class SequentialAutoencoder:
         encoder_gradients = encode_pullback(dz + prior_pullback(weight))
         losses = Losses(float(total), float(reconstruction), float(discrepancy))
         return losses, {**encoder_gradients, **decoder_gradients}
-
-
-def _write_frames(
-    h: np.ndarray, steps: int, weights: Weights
-) -> tuple[list[np.ndarray], Callable[[list[np.ndarray]], tuple[np.ndarray, Weights]]]:
-    """y_1, y_2, … from h_0, and the pullback that takes all dy to dh_0 and the gradients by name.
-
-    The equations are in `SequentialAutoencoder.decode_with_pullback`.
-    """
-    gru = gru_weights(weights, "decoder")
-    frame = weights["frame_w"], weights["frame_b"]
-    y = np.zeros((len(h), len(weights["frame_b"])), h.dtype)
-    written = []
-    pullbacks = []
-    for _ in range(steps):
-        h, step_pullback = ops.gru_step(y, h, *gru)
-        y, frame_pullback = ops.linear(h, *frame)
-        written.append(y)
-        pullbacks.append((step_pullback, frame_pullback))
-
-    def pullback(d_written: list[np.ndarray]) -> tuple[np.ndarray, Weights]:
-        totals = [np.zeros_like(weight) for weight in (*gru, *frame)]
-        dy_fed = np.zeros_like(y)
-        dh = np.zeros_like(h)
-        for k in reversed(range(steps)):
-            step_pullback, frame_pullback = pullbacks[k]
-            dh_through_frame, *frame_terms = frame_pullback(d_written[k] + dy_fed)
-            dy_fed, dh, *gru_terms = step_pullback(dh + dh_through_frame)
-            for total, term in zip(totals, (*gru_terms, *frame_terms), strict=True):
-                total += term
-        of_gru = _named("decoder", totals[:4])
-        return dh, {**of_gru, "frame_w": totals[4], "frame_b": totals[5]}
-
-    return written, pullback
 
 
 def weight_shapes(features: int, hidden: int, latent: int) -> dict[str, tuple[int, ...]]:

@@ -9,7 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from numpy_cae.fast import accelerate, fast_conv_autoencoder, fast_sequential_autoencoder
+from numpy_cae.fast import (
+    accelerate,
+    fast_conv_autoencoder,
+    fast_sequential_autoencoder,
+    sequence_engine,
+)
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import unit_directions
 
@@ -20,7 +25,7 @@ BOTH = pytest.mark.parametrize("kind", ["conv", "sequential"])
 def always_use_threads(monkeypatch):
     """Small networks would use one thread; here they use as many as they are given."""
     monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
-    monkeypatch.setattr(fast_sequential_autoencoder, "MIN_STATES_PER_THREAD", 1)
+    monkeypatch.setattr(sequence_engine, "MIN_STATES_PER_THREAD", 1)
 
 
 def drawn_conv(
@@ -217,7 +222,7 @@ def test_several_callers_at_once(kind):
 @BOTH
 def test_many_windows_go_in_parts_and_none_in_none(monkeypatch, kind):
     model, (x, z, *_) = drawn(kind, batch=11)
-    monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 32)
+    monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 16)
     monkeypatch.setattr(fast_sequential_autoencoder, "MAX_CLIPS", 4)
     fast = accelerate(model, 2)
     for count in (11, 0):
@@ -256,7 +261,7 @@ def change_the_dtype(layer):
 )
 @pytest.mark.parametrize(("batch", "changed"), [(1, [0]), (5, [1]), (1, [0, 1])])
 def test_any_change_of_weights_between_calls_is_seen(monkeypatch, change, batch, changed):
-    monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 32)  # batches of 5 in two parts
+    monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 16)  # batches of 5 in two parts
     model, (x, y, corrupted, *_) = drawn_conv(0, batch)
     fast = accelerate(model, 2)
     original = [(layer.w, layer.b) for layer in model.layers]
