@@ -9,12 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from numpy_cae.fast import (
-    accelerate,
-    fast_conv_autoencoder,
-    fast_sequential_autoencoder,
-    sequence_engine,
-)
+from numpy_cae.fast import accelerate, fast_conv_autoencoder, sequence_engine
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import unit_directions
 
@@ -223,7 +218,7 @@ def test_several_callers_at_once(kind):
 def test_many_windows_go_in_parts_and_none_in_none(monkeypatch, kind):
     model, (x, z, *_) = drawn(kind, batch=11)
     monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 16)
-    monkeypatch.setattr(fast_sequential_autoencoder, "MAX_CLIPS", 4)
+    monkeypatch.setattr("numpy_cae.fast.fast_sequential_autoencoder.MAX_CLIPS", 4)
     fast = accelerate(model, 2)
     for count in (11, 0):
         assert_same([model.encode(x[:count])], [fast.encode(x[:count])])
