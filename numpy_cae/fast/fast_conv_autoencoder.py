@@ -51,22 +51,23 @@ class FastConvAutoencoder(ConvAutoencoder):
     def __reduce__(self):
         return type(self), (self._model, self._threads)  # copies and pickles start without buffers
 
-    def encode(self, x: np.ndarray) -> np.ndarray:
+    def encode(self, x: np.ndarray, layers: int | None = None) -> np.ndarray:
         """Y = Φ(X), as `ConvAutoencoder.encode`."""
-        require_windows("x", x, self.layers)
-        hidden = x.shape[1] // self.stride, self.layers[-1].b.size
-        return self._computed(Worker.encode, x, x.shape[1], hidden)
+        used = self.layers[:layers]
+        require_windows("x", x, used)
+        hidden = x.shape[1] >> len(used), used[-1].b.size
+        return self._computed(Worker.encode, used, x, x.shape[1], hidden)
 
     def decode(self, y: np.ndarray) -> np.ndarray:
         """X̂ = Φ†(Y), unpooling evenly, as `ConvAutoencoder.decode`."""
         require_shape("y", y, ("batch", "frames", self.layers[-1].b.size))
-        frames = y.shape[1] * self.stride
-        return self._computed(Worker.decode, y, frames, (frames, self.layers[0].w.shape[1]))
+        shape = y.shape[1] * self.stride, self.layers[0].w.shape[1]
+        return self._computed(Worker.decode, self.layers, y, shape[0], shape)
 
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)), as `ConvAutoencoder.project`; the hidden units stay in the buffers."""
         require_windows("x", x, self.layers)
-        return self._computed(Worker.project, x, x.shape[1], x.shape[1:])
+        return self._computed(Worker.project, self.layers, x, x.shape[1], x.shape[1:])
 
     def loss_and_gradients(
         self,
@@ -79,7 +80,6 @@ class FastConvAutoencoder(ConvAutoencoder):
         """Equation 3 and its derivatives, as `ConvAutoencoder.loss_and_gradients`."""
         layers = self.layers if layer is None else [self.layers[layer]]
         require_denoising_arguments(layers, x, corrupted, first)
-        batch, frames, _ = x.shape
         dtype = np.result_type(x, corrupted, *(each.w for each in layers))
         dws = [np.empty(each.w.shape, dtype) for each in layers]
         masks = [None] * len(layers) if first is None else first
@@ -91,7 +91,7 @@ class FastConvAutoencoder(ConvAutoencoder):
 
         with self._lock:
             rates = [2 if mask is None else 1 for mask in masks]
-            workspace = self._workspace(layers, batch, frames, dtype, rates)
+            workspace = self._workspace(layers, *x.shape[:2], dtype, rates)
             workspace.run(layers, work, dws)
             workers = workspace.workers
             loss = sum(worker.loss for worker in workers)
@@ -101,6 +101,7 @@ class FastConvAutoencoder(ConvAutoencoder):
     def _computed(
         self,
         compute: Callable[[Worker, np.ndarray], np.ndarray],
+        layers: Sequence[ConvLayer],
         x: np.ndarray,
         frames: int,
         shape: tuple[int, ...],
@@ -109,7 +110,6 @@ class FastConvAutoencoder(ConvAutoencoder):
 
         `frames` are those of motion.
         """
-        layers = self.layers
         out = np.empty((len(x), *shape), np.result_type(x, *(each.w for each in layers)))
         windows = max(1, MAX_FRAMES * thread_team(self._threads).size // max(frames, 1))
         with self._lock:

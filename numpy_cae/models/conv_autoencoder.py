@@ -103,21 +103,24 @@ class ConvAutoencoder:
         """Input frames per hidden frame: 2**layers, 8 in the paper."""
         return 2 ** len(self.layers)
 
-    def encode(self, x: np.ndarray) -> np.ndarray:
+    def encode(self, x: np.ndarray, layers: int | None = None) -> np.ndarray:
         """Y = Φ(X) = Φ_n(… Φ_1(X)).
 
         Parameters
         ----------
         x : (B, T, features) array of float
             T is a multiple of `stride`.
+        layers : int, optional
+            n, the number of layers, from the lowest on; all of them by default. T is then a
+            multiple of 2**n.
 
         Returns
         -------
-        y : (B, T / stride, filters of the top layer) array, within [-1, 1]
+        y : (B, T / 2**n, filters of layer n) array, within [-1, 1]
             Hidden units.
         """
-        require_windows("x", x, self.layers)
-        for layer in self.layers:
+        require_windows("x", x, self.layers[:layers])
+        for layer in self.layers[:layers]:
             x, _ = layer.encode_with_pullback(x)
         return x
 

@@ -87,7 +87,7 @@ def autoencoder_steps(
     rng = state.rng
     for name, number, stage in schedule.stages(len(model.layers))[state.stage :]:
         layer = None if number is None else model.layers[number]
-        x = windows if number is None else hidden_below(model, windows, number)
+        x = hidden_below(model, windows, number) if number else windows
         optimiser = make_optimiser(stage, (layer or model).parameters)
         steps = -(-len(x) // stage.batch)
         rates = learning_rates(stage, steps)
@@ -109,9 +109,9 @@ def autoencoder_steps(
 
 
 def hidden_below(model: ConvAutoencoder, windows: np.ndarray, layer: int) -> np.ndarray:
-    """The input of a layer: what the layers below it make of clean windows, 64 at a time to save
-    memory."""
-    for below in model.layers[:layer]:
-        parts = [windows[start : start + 64] for start in range(0, len(windows), 64)]
-        windows = np.concatenate([below.encode_with_pullback(part)[0] for part in parts])
-    return windows
+    """The input of a layer but the lowest: what the layers below it make of clean windows.
+
+    They encode 64 windows at a time to save memory.
+    """
+    parts = [windows[start : start + 64] for start in range(0, len(windows), 64)]
+    return np.concatenate([model.encode(part, layer) for part in parts])

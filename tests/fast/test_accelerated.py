@@ -79,7 +79,8 @@ def results(model, arguments):
         x, y, corrupted, alpha, first = arguments
         loss, gradients = model.loss_and_gradients(x, corrupted, alpha, first)
         flat = [array for pair in gradients for array in pair]
-        return [model.encode(x), model.decode(y), model.project(x), loss, *flat]
+        encoded = [model.encode(x), model.encode(x, layers=1)]
+        return [*encoded, model.decode(y), model.project(x), loss, *flat]
     x, prior, directions, written, weight = arguments
     losses, gradients = model.loss_and_gradients(x, prior, directions, weight)
     assert list(gradients) == list(model.weights)
