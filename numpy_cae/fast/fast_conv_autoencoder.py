@@ -1,7 +1,6 @@
 """`ConvAutoencoder` at speed: its definition, step for step, over a `Workspace`.
 
-Each public method describes what one worker (a thread with its share of the windows) does, and
-runs that on all workers.
+Each public method runs a method of `Worker` on all workers, threads with their windows each.
 """
 
 import threading
@@ -27,10 +26,10 @@ MAX_FRAMES = 16 * 160
 as many the buffers no longer fit the cache, with half as many it waits for the filters.)"""
 
 MIN_MULTIPLICATIONS = 10_000_000
-"""Multiplications of a direct convolution below which threads cost more than they save."""
+"""Where a direct convolution has fewer multiplications, threads cost more than they save."""
 
 MAX_WORKSPACES = 4
-"""Workspaces that are kept: training uses two batch sizes, since the last batch is smaller."""
+"""So many are kept: training uses two batch sizes, since the last batch is smaller."""
 
 
 class FastConvAutoencoder(ConvAutoencoder):

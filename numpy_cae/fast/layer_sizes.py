@@ -13,9 +13,9 @@ multiplications of a matrix product (measured)."""
 
 @dataclass(frozen=True)
 class LayerSizes:
-    """K, C, D, B and T of a layer; `rate` is the number of frames for a row of decoder's input.
+    """K, C, D, B and T of a layer; a row of the decoder's input stands for `rate` frames.
 
-    It is 2 where the layer unpools evenly. Without `training` no gradient is computed.
+    It is 2 where the layer unpools evenly, else 1. Without `training` no gradient is computed.
     """
 
     taps: int

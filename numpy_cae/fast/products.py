@@ -15,10 +15,12 @@ time.
 import numpy as np
 
 MAX_UNPACKED = 1_000_000
-"""Multiplications of a product that is not packed (OpenBLAS, `sgemm_small_matrix_permit`)."""
+"""A product of at most so many multiplications is not packed (OpenBLAS,
+`sgemm_small_matrix_permit`)."""
 
 MAX_UNPACKED_TRANSPOSED = 1200
-"""Elements of the result of a product that is not packed, its second factor transposed."""
+"""A product with a transposed second factor is not packed if its result has at most so many
+elements."""
 
 ROWS = 24
 """A piece has at most so many rows. The kernels compute 4, 6 or 8 rows at a time, and a piece of
@@ -27,19 +29,20 @@ another height is up to twice as slow."""
 COLUMNS = 512
 """A piece has at most so many columns; wider pieces leave the first level of the cache."""
 
-CACHE_LINE = 64
-"""Bytes."""
+CACHE_LINE_BYTES = 64
+"""Every array starts at a multiple of this address."""
 
 ROW_PADDING = 16
-"""Floats added to each row of a buffer. Rows whose distance is a power of two are mapped to the
-same lines of the cache, and a product along the columns then takes a quarter longer."""
+"""So many numbers are added to each row of a buffer. Rows whose distance is a power of two are
+mapped to the same lines of the cache, and a product along the columns then takes a quarter
+longer."""
 
 
 def aligned_empty(shape: tuple[int, ...], dtype: np.dtype | type) -> np.ndarray:
-    """As `np.empty`, the first element at a multiple of `CACHE_LINE`."""
+    """As `np.empty`, the first element at a multiple of `CACHE_LINE_BYTES`."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
-    memory = np.empty(size + CACHE_LINE, np.uint8)
-    start = -memory.ctypes.data % CACHE_LINE
+    memory = np.empty(size + CACHE_LINE_BYTES, np.uint8)
+    start = -memory.ctypes.data % CACHE_LINE_BYTES
     return memory[start : start + size].view(dtype).reshape(shape)
 
 
