@@ -23,13 +23,12 @@ from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
+from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.key_curves import ROTATION_CURVES, Curve
 from numpy_cae.repair import Preset, project_motion, repair
-from numpy_cae.repair.filters import filter_motion, strongly_filtered
 from numpy_cae.repair.holes import Holes
-from numpy_cae.repair.interpolated import missing_joints
-from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.repair.interpolated import missing_joints, on_curves
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 from studies.shared.damages import DAMAGES, stretch
 from studies.shared.linear_denoiser import TAPS, contexts

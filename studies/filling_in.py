@@ -22,7 +22,7 @@ from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import Motion, features_to_positions, joint_slice
 from numpy_cae.motion.key_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
-from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.repair.interpolated import on_curves
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.shared.clips import NETWORK, REPEATED, project_repeated, testing_of
 from studies.shared.material import Material, evenly

@@ -23,7 +23,7 @@ from numpy_cae.motion import Motion
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.motion.quaternions import from_vector, product
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.jitter import smooth_motion
+from numpy_cae.repair.jumps import smooth_motion
 from studies.shared.result import Result, Table
 
 EVERY, SECONDS, RATE = 23, 8.0, 30.0

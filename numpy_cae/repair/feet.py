@@ -15,10 +15,10 @@ import numpy as np
 from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.retarget.to_rig import bent, retarget
 from numpy_cae.motion.contacts import FEET, foot_sliding
+from numpy_cae.motion.filters import butterworth
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.filters import butterworth
 from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.root_path import CALM_SECONDS, PATH_HERTZ, moved_along, path_of_root

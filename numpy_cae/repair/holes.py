@@ -9,10 +9,12 @@ from numpy_cae.mocap.retarget.body import Body, at_rate_of, body_of
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.features import features_to_positions, positions_to_features
+from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
 from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.masks import at_thirty
 from numpy_cae.motion.motion import RATE, Motion
-from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.repair.finding import Finding
+from numpy_cae.repair.interpolated import interpolate_channels, missing_joints, on_curves
 from numpy_cae.repair.unlikely import residual
 
 
@@ -79,6 +81,13 @@ class Holes:
             return after + moved * weight[frames, :, None]
 
         return retarget(motion, targets, holes, self.start)
+
+
+def holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
+    """The holes of findings, with their damaged channels interpolated."""
+    missing = missing_joints(body.motion, findings)
+    there = np.asarray(missing.any(axis=1))
+    return Holes(body, missing, interpolate_channels(body.motion, findings, curve_at, there))
 
 
 def _positions_with(body: Body, there: np.ndarray, start: Motion) -> np.ndarray:

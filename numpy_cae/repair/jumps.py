@@ -1,7 +1,9 @@
-"""Joints that jump from frame to frame within noise, and a strong filter there.
+"""Noise: joints that jump from frame to frame, and jitter of the whole motion.
 
 Where a joint jumps, the curves on the way to it that are not smooth are filtered strongly
-(`filters.strongly_filtered`), and the result is blended into the rest on both sides.
+(`filters.strongly_filtered`), and the result is blended into the rest on both sides. The filter of
+the whole motion smears single frames that jump, so these are filtered strongly after it, from the
+values before it.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,13 +13,19 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion.filters import (
+    LEAST_FRAMES,
+    filter_motion,
+    median_of,
+    smooth_curve,
+    strongly_filtered,
+)
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import slerp
 from numpy_cae.repair.chunks import changed_around, chunks
 from numpy_cae.repair.curves import body_size, curves_of, off_cubic
-from numpy_cae.repair.filters import LEAST_FRAMES, filter_motion, median_of, strongly_filtered
 from numpy_cae.repair.finding import BODY, Finding
 
 OFF_MEDIAN_METRES = 0.08
@@ -176,3 +184,14 @@ def _rough_on_the_way(motion: Motion, jumps: np.ndarray) -> np.ndarray:
         roughest = rough[:, path].max(axis=1, keepdims=True)
         there[:, path] |= jumps[:, [column]] & (rough[:, path] >= ROUGH_SHARE * roughest)
     return there
+
+
+def find_jitter(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+    """One finding about the whole motion, of kind "jitter"."""
+    return [Finding(BODY, (0, len(motion) - 1), "jitter", "the whole motion is smoothed")]
+
+
+def smooth_motion(motion: Motion, findings: Sequence[Finding] = ()) -> Motion:
+    """The motion without the jitter of its rotations and translations, in all frames."""
+    smooth = filter_motion(motion, lambda curve: smooth_curve(curve, motion.rate))
+    return without_jumps(smooth, jumping_steps(smooth), motion)

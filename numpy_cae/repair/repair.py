@@ -8,9 +8,9 @@ changes only what is damaged, and `fill_motion` only what the user says is missi
     fill in what is missing for long, by the manifold
     put the T-pose back
 
-Between the first and the last line, frames are counted from the end of the T-pose. For the manifold
-a motion is taken to thirty frames a second once, (F, …), and the repaired joints are taken back to
-the frames of the file once, (frames, …).
+Between the first and the last line, frames are counted from the end of the T-pose. The manifold
+works at thirty frames a second, (F, …); masks and findings are in the frames of the file,
+(frames, …).
 """
 
 from collections.abc import Callable, Sequence
@@ -23,28 +23,30 @@ from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body, body_positions
 from numpy_cae.motion.contacts import foot_sliding
-from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
 from numpy_cae.motion.joints import LIMBS
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion, require_finite
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import BODY, Finding, is_path, marked, shifted, usable
-from numpy_cae.repair.holes import Holes
+from numpy_cae.repair.finding import BODY, Finding, marked, shifted, usable
+from numpy_cae.repair.holes import holes_of
 from numpy_cae.repair.interpolated import (
     POSITION_KINDS,
     interpolate_channels,
     missing_joints,
     with_finite_values,
 )
-from numpy_cae.repair.jitter import find_jitter, smooth_motion
-from numpy_cae.repair.jumps import find_jumps, jumping_steps, mend_jumps
+from numpy_cae.repair.jumps import (
+    find_jitter,
+    find_jumps,
+    jumping_steps,
+    mend_jumps,
+    smooth_motion,
+)
 from numpy_cae.repair.presets import Preset
-from numpy_cae.repair.repaired import Repaired, distances, with_centimetres
-from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
 from numpy_cae.repair.spikes import find_spikes
-from numpy_cae.repair.still import find_still
-from numpy_cae.repair.t_pose import find_t_pose
+from numpy_cae.repair.still import find_still, find_t_pose
 from numpy_cae.repair.trials import chosen
 from numpy_cae.repair.unlikely import find_unlikely
 
@@ -54,19 +56,17 @@ which is more than that of any take of a source left out of training
 (docs/lab_book/detection.md)."""
 LONG_SECONDS = 0.1
 """LONG_SECONDS: the manifold corrects what was interpolated over at least this time (s)."""
-MOVED_METRES = 1e-6
-"""MOVED_METRES: a joint is touched if it moves by more than this (m)."""
 FILLED_KINDS = ("repeated", "frozen", "displaced", "not finite")
 """FILLED_KINDS: the manifold fills in findings of these kinds where they are long, and those of
 `POSITION_KINDS`."""
-
-
 LEG_JOINTS = {BODY, "hips", "left_hip", "right_hip", *LIMBS["left_leg"], *LIMBS["right_leg"]}
 NEAR_SECONDS = 0.25
 """NEAR_SECONDS: jumps are counted within this time of the damage (s)."""
-SLIDING_SHARE, SLIDING_CENTIMETRES = 0.2, 5.0
-"""SLIDING_SHARE, SLIDING_CENTIMETRES: feet slide more if their speed grows by more than this share
-of it, and by more than this (cm/s)."""
+SLIDING_SHARE = 0.2
+"""SLIDING_SHARE: feet slide more if their speed grows by more than this share of it, and by more
+than `SLIDING_CENTIMETRES`."""
+SLIDING_CENTIMETRES = 5.0
+"""SLIDING_CENTIMETRES: and by more than this (cm/s)."""
 
 
 class Step(NamedTuple):
@@ -145,79 +145,24 @@ def repair(
     """
     preset = preset or Preset()
     given = findings if damaged is None else marked(damaged)
-    given = None if given is None else [usable(motion, finding) for finding in given]
+    if given is not None:
+        given = [usable(motion, finding) for finding in given]
     finite, broken = with_finite_values(motion)
     t_pose = find_t_pose(finite) if given is None else [f for f in given if f.kind == "T-pose"]
     first = max((finding.stretch.stop for finding in t_pose), default=0)
     moving = finite.at(slice(first, None)) if first else finite
-    rest = None if given is None else [finding for finding in given if finding not in t_pose]
-    rest = None if rest is None else shifted(rest, -first)
-    repaired = _repaired(moving, manifold, preset, rest, shifted(broken, -first))
-    kept = finite.at(slice(0 if preset.cut else first))
-    return replace(_with_t_pose(repaired, t_pose, kept, broken), original=motion)
-
-
-def _repaired(
-    motion: Motion,
-    manifold: MotionManifold | None,
-    preset: Preset,
-    given: list[Finding] | None,
-    broken: list[Finding],
-) -> Repaired:
-    """A motion without its T-pose, repaired. `broken` values are interpolated already."""
-    not_mended = [finding for finding in given or [] if finding.status != "repaired"]
-    if given is not None:
-        given = [finding for finding in given if finding.status == "repaired"]
-    mended, found = mend(motion, preset, given)
-    found += broken + [finding for finding in given or [] if finding.kind in POSITION_KINDS]
-    residual, unlikely = 0.0, list[Finding]()
+    rest = None if given is None else shifted([f for f in given if f not in t_pose], -first)
+    mended, found = mend(moving, preset, rest)
+    found += shifted(broken, -first)
+    residual = 0.0
     if manifold is not None:
-        # The memory that finding needs, 0.2 GB for an hour, is free before the motion is filled.
-        filling = _filling(mended, manifold, found, preset if given is None else None)
-        residual, unlikely = filling.residual, filling.unlikely
-        mended = filling.holes.filled(filling.features)
-    moved = posed = distances(motion, mended)
-    if any(is_path(finding) for finding in found):
-        posed = distances(motion, mended, from_hips=True)
-    touched = (moved > MOVED_METRES) | missing_joints(mended, broken)
-    done = [finding for finding in found + unlikely if finding.status == "repaired"]
-    left = [finding for finding in found + unlikely if finding.status != "repaired"]
-    return Repaired(
-        mended,
-        touched,
-        moved,
-        residual,
-        residual <= UNKNOWN_METRES,
-        tuple(with_centimetres(done, moved, posed)),
-        tuple(left + not_mended),
-    )
-
-
-def _with_t_pose(
-    repaired: Repaired, t_pose: list[Finding], kept: Motion, broken: list[Finding]
-) -> Repaired:
-    """The repaired motion after the frames of the T-pose that are kept, in the frames of the file.
-    The motion of the T-pose has `broken` values, which are interpolated already."""
-    first = max((finding.stretch.stop for finding in t_pose), default=0)
-    findings = (*t_pose, *shifted(repaired.findings, first))
+        mended, found, residual = complete_holes(mended, manifold, found, preset, rest is None)
+    found = [*t_pose, *shifted(found, first)]
+    repaired = repaired_of(finite, joined(finite.at(slice(first)), mended), found, broken)
     repaired = replace(
-        repaired, findings=findings, proposed=tuple(shifted(repaired.proposed, first))
+        repaired, original=motion, residual=residual, known=residual <= UNKNOWN_METRES
     )
-    if not len(kept):
-        return repaired
-    motion = replace(
-        repaired.motion,
-        rotations=np.concatenate([kept.rotations, repaired.motion.rotations]),
-        translations=np.concatenate([kept.translations, repaired.motion.translations]),
-    )
-    before = [finding for finding in broken if finding.frames[0] < len(kept)]
-    touched = missing_joints(motion, before)[: len(kept)]
-    return replace(
-        repaired,
-        motion=motion,
-        touched=np.concatenate([touched, repaired.touched]),
-        moved=np.concatenate([np.zeros(touched.shape), repaired.moved]),
-    )
+    return repaired.without_first(first) if preset.cut else repaired
 
 
 def mend(
@@ -245,23 +190,29 @@ def mend(
     >>> [finding.kind for finding in mend(motion)[1]]
     ['spike']
     """
-    preset, found = preset or Preset(), list[Finding]()
+    preset = preset or Preset()
+    found: list[Finding] = []
     for step in STEPS:
         if step.option and getattr(preset, step.option):
-            damage = step.find(motion, preset.sensitivity)
+            motion, damage = _mended(motion, step.find(motion, preset.sensitivity), step)
         elif given is not None:
-            damage = [finding for finding in given if finding.kind in step.kinds]
+            motion, damage = _mended(motion, [f for f in given if f.kind in step.kinds], step)
+        elif not step.option:
+            motion, damage = _mended_if_better(motion, step.find(motion, preset.sensitivity), step)
         else:
-            damage = [] if step.option else step.find(motion, preset.sensitivity)
-        if given is None and not step.option:
-            motion, damage = _mended_if_better(motion, damage, step)
-        elif damage:
-            mended = step.mend(motion, damage)
-            if step.option and mended is motion:
-                damage = [replace(finding, status="left") for finding in damage]
-            motion = mended
+            continue
         found += damage
-    return motion, found
+    others = [finding for finding in given or [] if finding.kind in POSITION_KINDS]
+    return motion, found + others
+
+
+def _mended(motion: Motion, damage: list[Finding], step: Step) -> tuple[Motion, list[Finding]]:
+    """The motion after a step that the user asked for, and its findings."""
+    mendable = [finding for finding in damage if finding.status == "repaired"]
+    mended = step.mend(motion, mendable) if mendable else motion
+    if step.option and mended is motion:
+        damage = [replace(f, status="left") if f in mendable else f for f in damage]
+    return mended, damage
 
 
 def _mended_if_better(
@@ -332,56 +283,49 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     all joints: frames 1 to 9, 11 to 19: moved 3.7 cm, at most 24.0
     """
     require_finite(motion)
-    missing, body = checked_mask(missing, len(motion)), Body(motion, manifold.lengths)
-    curve_at, strength = chosen(manifold, body, missing)
-    start = on_curves(motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
-    holes = Holes(body, missing, start)
-    filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
+    missing = checked_mask(missing, len(motion))
+    filled = filled_by(manifold, Body(motion, manifold.lengths), marked(missing))
     return Repaired(filled, missing, distances(motion, filled), original=motion)
 
 
-class _Filling(NamedTuple):
-    """The holes of findings, the features (F, 63) with which the manifold fills them, the typical
-    distance (m) of the motion from the manifold, and what is unlikely."""
+def complete_holes(
+    motion: Motion,
+    manifold: MotionManifold,
+    found: list[Finding],
+    preset: Preset,
+    looks: bool,
+) -> tuple[Motion, list[Finding], float]:
+    """The motion with the holes of findings filled in by the manifold, all findings, and the
+    typical distance (m) of the motion from the manifold.
 
-    holes: Holes
-    features: np.ndarray
-    residual: float
-    unlikely: list[Finding]
-
-
-def _filling(
-    motion: Motion, manifold: MotionManifold, found: list[Finding], preset: Preset | None
-) -> _Filling:
-    """How the manifold fills in findings; with a preset it is also asked what is unlikely, and what
-    is sure enough is filled in too.
-
-    A motion that is unlike what the manifold knows gets only what the user marked.
+    If it `looks`, the manifold is also asked what is unlikely, and what is sure enough is filled in
+    too. A motion that is unlike what the manifold knows gets only what the user marked.
     """
     manifold = manifold.remembering()
-    body, least_frames = Body(motion, manifold.lengths), LONG_SECONDS * motion.rate
-    found = [finding for finding in found if _is_filled(finding, least_frames)]
-    holes = _holes_of(body, found)
-    residual, unlikely = holes.typical_residual(manifold), list[Finding]()
+    body = Body(motion, manifold.lengths)
+    filled = [finding for finding in found if _is_filled(finding, motion.rate)]
+    holes = holes_of(body, filled)
+    residual = holes.typical_residual(manifold)
+    unlikely: list[Finding] = []
     if residual > UNKNOWN_METRES:
-        found = [finding for finding in found if finding.kind in POSITION_KINDS]
-    elif preset is not None:
+        filled = [finding for finding in filled if finding.kind in POSITION_KINDS]
+    elif looks:
         for finding in find_unlikely(manifold, body, holes.in_file):
             sure = preset.is_sure(finding)
             unlikely.append(replace(finding, status="repaired") if sure else finding)
-        found += [finding for finding in unlikely if finding.status == "repaired"]
-    curve_at, strength = chosen(manifold, body, missing_joints(motion, found))
-    holes = _holes_of(body, found, curve_at)
-    features = corrected(manifold, holes.features, holes.mask, strength)
-    return _Filling(holes, features, residual, unlikely)
+        filled += [finding for finding in unlikely if finding.status == "repaired"]
+    return filled_by(manifold, body, filled), found + unlikely, residual
 
 
-def _is_filled(finding: Finding, least_frames: float) -> bool:
-    is_long = finding.frames[1] - finding.frames[0] >= least_frames
-    return finding.kind in POSITION_KINDS or (finding.kind in FILLED_KINDS and is_long)
+def filled_by(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
+    """The motion of a body with the holes of findings filled in by the manifold."""
+    curve_at, strength = chosen(manifold, body, missing_joints(body.motion, findings))
+    holes = holes_of(body, findings, curve_at)
+    return holes.filled(corrected(manifold, holes.features, holes.mask, strength))
 
 
-def _holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
-    missing = missing_joints(body.motion, findings)
-    there = np.asarray(missing.any(axis=1))
-    return Holes(body, missing, interpolate_channels(body.motion, findings, curve_at, there))
+def _is_filled(finding: Finding, rate: float) -> bool:
+    """Whether the manifold fills in a finding."""
+    is_long = finding.frames[1] - finding.frames[0] >= LONG_SECONDS * rate
+    long_kind = finding.kind in FILLED_KINDS and is_long
+    return finding.status == "repaired" and (finding.kind in POSITION_KINDS or long_kind)

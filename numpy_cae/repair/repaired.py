@@ -1,5 +1,7 @@
 """What a repair changed."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -13,8 +15,11 @@ from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
 from numpy_cae.repair.chunks import chunks
 from numpy_cae.repair.curves import LEAST_LEVER_METRES
-from numpy_cae.repair.finding import BODY, Finding, is_path
+from numpy_cae.repair.finding import Finding, is_path
+from numpy_cae.repair.interpolated import missing_joints
 
+MOVED_METRES = 1e-6
+"""MOVED_METRES: a joint is touched if it moves by more than this (m)."""
 MOST_PRINTED = 5
 """MOST_PRINTED: at most this many runs of frames, and findings, are printed in full."""
 
@@ -86,6 +91,16 @@ class Repaired:
             )
         return "\n".join(lines) or "nothing to repair was found"
 
+    def without_first(self, frames: int) -> Repaired:
+        """The repair without its first frames; findings are in the frames of the file."""
+        rest = slice(frames, None)
+        return replace(
+            self,
+            motion=self.motion.at(rest),
+            touched=self.touched[rest],
+            moved=self.moved[rest],
+        )
+
     def listed(self) -> list[Finding]:
         """The findings, the largest first: numbers 1, 2, … wherever they are listed; then the
         proposals."""
@@ -141,50 +156,6 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
     return moved
 
 
-def restricted(repaired: Repaired, original: Motion, findings: Sequence[Finding]) -> Repaired:
-    """Only the repair of some findings: in their frames, the joint of each and those that it
-    carries or that carry it are as in `repaired`; the rest is as in `original`.
-
-    Parameters
-    ----------
-    repaired : Repaired
-    original : Motion
-    findings : sequence of Finding
-        Of `repaired`.
-
-    Returns
-    -------
-    Repaired
-        Its `touched` and `moved` are those of what is kept, its `findings` those given.
-    """
-    cut = len(original) - len(repaired.motion)
-    before = original.at(slice(cut, None))
-    kept = ~np.isfinite(before.rotations).all(-1) | ~np.isfinite(before.translations).all(-1)
-    for finding in findings:
-        stretch = slice(max(finding.frames[0] - cut, 0), max(finding.frames[1] + 1 - cut, 0))
-        kept[stretch, _on_one_path(before, finding.joint)] = True
-    motion = replace(
-        repaired.motion,
-        rotations=np.where(kept[..., None], repaired.motion.rotations, before.rotations),
-        translations=np.where(kept[..., None], repaired.motion.translations, before.translations),
-    )
-    moved = distances(before, motion)
-    touched = repaired.touched & (moved > 0)
-    return replace(
-        repaired, motion=motion, touched=touched, moved=moved, findings=tuple(findings), proposed=()
-    )
-
-
-def _on_one_path(motion: Motion, name: str) -> list[int]:
-    """The joints of the rig that the joint of a finding carries, and those that carry it."""
-    skeleton = motion.skeleton
-    if name == BODY:
-        return list(range(len(skeleton.names)))
-    joint = rig_of(motion).joints[JOINTS.index(name)] if name in JOINTS else skeleton.index(name)
-    paths = [skeleton.path(other) for other in range(len(skeleton.names))]
-    return [other for other, path in enumerate(paths) if joint in path or other in paths[joint]]
-
-
 def _distance(before: Motion, after: Motion, origin: int | None) -> np.ndarray:
     """How far each joint of the rig moved, or the point at the end of its bone where no other joint
     is, (frames, J) in metres; relative to the joint `origin` if it is given."""
@@ -203,18 +174,38 @@ def _distance(before: Motion, after: Motion, origin: int | None) -> np.ndarray:
     return distance
 
 
-def with_centimetres(
-    findings: Sequence[Finding], moved: np.ndarray, posed: np.ndarray
-) -> list[Finding]:
-    """The findings with the largest distance (m) of their joint or one below it, in centimetres: in
+def repaired_of(
+    before: Motion, after: Motion, found: Sequence[Finding], broken: Sequence[Finding]
+) -> Repaired:
+    """What a repair changed, with what was found; `broken` values are interpolated in both."""
+    moved = posed = distances(before, after)
+    if any(is_path(finding) for finding in found):
+        posed = distances(before, after, from_hips=True)
+    touched = (moved > MOVED_METRES) | missing_joints(before, broken)
+    done = [finding for finding in found if finding.status == "repaired"]
+    left = [finding for finding in found if finding.status != "repaired"]
+    measured = [_with_centimetres(finding, moved, posed) for finding in done]
+    return Repaired(after, touched, moved, findings=tuple(measured), proposed=tuple(left))
+
+
+def _with_centimetres(finding: Finding, moved: np.ndarray, posed: np.ndarray) -> Finding:
+    """The finding with the largest distance (m) of its joint or one below it, in centimetres: in
     `moved` for a path of the root, in `posed` for others."""
-    measured = []
-    for finding in findings:
-        below = {finding.joint} if finding.joint in JOINTS else set(JOINTS)
-        for joint, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
-            if JOINTS[parent] in below:
-                below.add(joint)
-        there = (moved if is_path(finding) else posed)[finding.stretch]
-        cm = 100 * there[:, [JOINTS.index(joint) for joint in below]].max(initial=0.0)
-        measured.append(replace(finding, cm=float(cm)))
-    return measured
+    below = {finding.joint} if finding.joint in JOINTS else set(JOINTS)
+    for joint, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
+        if JOINTS[parent] in below:
+            below.add(joint)
+    there = (moved if is_path(finding) else posed)[finding.stretch]
+    cm = 100 * there[:, [JOINTS.index(joint) for joint in below]].max(initial=0.0)
+    return replace(finding, cm=float(cm))
+
+
+def joined(first: Motion, rest: Motion) -> Motion:
+    """A motion after the frames of another one of the same rig."""
+    if not len(first):
+        return rest
+    return replace(
+        rest,
+        rotations=np.concatenate([first.rotations, rest.rotations]),
+        translations=np.concatenate([first.translations, rest.translations]),
+    )

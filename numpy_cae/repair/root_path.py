@@ -13,9 +13,9 @@ import numpy as np
 from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.motion.contacts import FEET
+from numpy_cae.motion.filters import butterworth, median_of
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.filters import butterworth, median_of
 
 LEFT_LEG = [JOINTS.index(f"left_{joint}") for joint in ("hip", "knee", "ankle")]
 HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]

@@ -10,13 +10,16 @@ The joints below must deviate from their cubics too: several rotations may jump 
 each other, so that the body does not move.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
+from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
 from numpy_cae.repair.curves import Curve, body_size, curves_of, local_median
 from numpy_cae.repair.finding import Finding, confidence
-from numpy_cae.repair.interpolated import interpolated_curve
 from numpy_cae.repair.segments import Segment
 
 LONGEST_SECONDS = 0.1
@@ -62,7 +65,7 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
                 why = f"{curve.amount(spike.size)} from the frames before and after"
                 frames, sure = (spike.first, spike.end - 1), confidence(spike.score)
                 found.append(Finding(curve.name, frames, curve.kind, why, 0.0, sure))
-            curve = interpolated_curve(curve, spikes)
+            curve = _interpolated(curve, spikes)
     return list(dict.fromkeys(found))  # a replaced frame may deviate again
 
 
@@ -174,3 +177,12 @@ def _weights(length: int, at: int) -> list[tuple[int, float]]:
         (int(time), float(np.prod([(at - x) / (time - x) for x in times if x != time])))
         for time in times
     ]
+
+
+def _interpolated(curve: Curve, segments: Sequence[Segment]) -> Curve:
+    """A curve interpolated over segments."""
+    missing = np.zeros((len(curve.values), 1), bool)
+    for segment in segments:
+        missing[segment.first : segment.end] = True
+    over = rotations_over_holes if curve.is_rotation else over_holes
+    return replace(curve, values=over(curve.values[:, None], missing, curve.rate)[:, 0])

@@ -1,4 +1,5 @@
-"""Frames that repeat the values of the frame before until the motion jumps.
+"""Frames that stand still until the motion jumps: repeated frames, frozen rotations, a T-pose at
+the start (its rule is in `mocap.t_pose`).
 
 Dropped frames, a sensor that stops and a pose of reference look like this. A person who stands
 still is never exactly still, a channel that is not used does not jump, and a joint at its limit
@@ -9,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import STILL_METRES, Curve, curves_of
 from numpy_cae.repair.finding import BODY, Finding, confidence
@@ -77,3 +79,21 @@ def _finding(joint: str, kind: str, segment: Segment, first: int) -> Finding:
     moves = f"then moves by {100 * segment.size:.1f} cm"
     why = f"stands still for {len(segment)} frames, {moves}"
     return Finding(joint, (first, segment.end - 1), kind, why, 0.0, confidence(segment.score))
+
+
+def find_t_pose(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+    """At most one finding, of kind "T-pose".
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.rotations[0, 1:] = [0.0, 0.0, 0.0, 1.0]
+    >>> find_t_pose(motion)
+    [body: frame 0: T-pose (...
+    """
+    pose = leading_t_pose(motion, 1 / (2 * sensitivity))
+    if pose is None:
+        return []
+    why = f"arms held out, then all joints move by {100 * pose.step:.0f} cm in a frame"
+    return [Finding(BODY, (0, pose.frames - 1), "T-pose", why, 0.0, confidence(pose.score))]

@@ -34,7 +34,7 @@ from numpy_cae.motion.key_curves import CURVES, Curve, eased, mean_curve
 from numpy_cae.motion.masks import at_thirty, run_numbers, runs
 from numpy_cae.motion.motion import RATE
 from numpy_cae.repair.holes import Holes
-from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.repair.interpolated import on_curves
 
 STRENGTHS = np.linspace(0.0, 1.0, 5)
 """STRENGTHS: these values of s of the module's equation are tried."""

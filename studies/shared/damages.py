@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 from numpy_cae.mocap import body_positions, find_joints, retarget
 from numpy_cae.mocap.retarget.to_rig import bent
 from numpy_cae.motion import JOINTS, Motion
+from numpy_cae.motion.filters import filter_motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.repair.filters import filter_motion
 
 Rng = np.random.Generator
 Damaged = tuple[Motion, np.ndarray]

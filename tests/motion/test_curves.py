@@ -9,7 +9,7 @@ from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
-from numpy_cae.repair.rotation_curves import unknown_channels
+from numpy_cae.repair.interpolated import unknown_channels
 
 LEG = "right_knee right_ankle right_toe", "rfemur rtibia rfoot"
 

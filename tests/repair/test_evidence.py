@@ -13,14 +13,14 @@ from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import FEET, find_contacts
+from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.repair import PRESETS, Finding, Preset, find_unlikely, repair
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.filters import filter_motion, strongly_filtered
 from numpy_cae.repair.finding import is_path
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.repair.repair import mend
-from numpy_cae.repair.t_pose import find_t_pose
+from numpy_cae.repair.still import find_t_pose
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
 ARM = [JOINTS.index(f"left_{joint}") for joint in ("elbow", "wrist")]

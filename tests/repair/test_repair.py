@@ -14,9 +14,9 @@ from numpy_cae.mocap import body_of, body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import POSITIONS, bone_lengths
 from numpy_cae.motion.features import TURN, VELOCITY, trajectory_of
+from numpy_cae.motion.filters import smooth_curve
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.repair import Preset, project_motion, repair
-from numpy_cae.repair.filters import smooth_curve
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.project_motion import keep_trajectory
 

@@ -10,7 +10,7 @@ from numpy_cae.motion import JOINTS
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
-from numpy_cae.repair.rotation_curves import on_curves
+from numpy_cae.repair.interpolated import on_curves
 from numpy_cae.repair.trials import PRIOR, chosen, trials_in, weights
 
 

@@ -24,9 +24,9 @@ import numpy as np
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import Motion
-from numpy_cae.repair import PRESETS, Preset, Repaired, project_motion, repair
+from numpy_cae.repair import PRESETS, Finding, Preset, Repaired, project_motion, repair
 from numpy_cae.repair.presets import fitting_preset
-from numpy_cae.repair.repaired import count, distances, restricted
+from numpy_cae.repair.repaired import count, distances
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
             findings = damage_options.chosen_findings(args, motion)
             repaired = repair(motion, manifold, preset=preset, findings=findings)
             if args.only:
-                repaired = _only(args.only, motion, repaired)
+                repaired = repair(motion, manifold, findings=_only(args.only, repaired))
             changed.write(motion, repaired, target)
             if findings is None and preset == Preset() and (name := fitting_preset(motion)):
                 print(f"  this motion looks like one for --from {name}: {PRESETS[name]}")
@@ -83,12 +83,12 @@ def _preset(args: argparse.Namespace) -> Preset:
     return replace(preset, sensitivity=sensitivity, smooth=smooth, feet=feet)
 
 
-def _only(numbers: list[int], motion: Motion, repaired: Repaired) -> Repaired:
-    """The repair of the findings of these numbers."""
+def _only(numbers: list[int], repaired: Repaired) -> list[Finding]:
+    """The findings of these numbers."""
     listed = repaired.listed()[: len(repaired.findings)]
     if max(numbers) > len(listed):
         raise ValueError(f"--only {max(numbers)}: there are {count(len(listed), 'finding')}")
-    return restricted(repaired, motion, [listed[number - 1] for number in numbers])
+    return [listed[number - 1] for number in numbers]
 
 
 def _projected(motion: Motion, manifold: MotionManifold) -> Repaired:
