@@ -6,8 +6,8 @@ import pytest
 
 from numpy_cae import course
 from numpy_cae.course.catalogue import EXERCISES
-from numpy_cae.course.exercises.lesson_12 import SUSPECTS
 from numpy_cae.course.mistakes import likely_mistake, patches_of, wrong_function
+from numpy_cae.course.suspects import SUSPECTS
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import bugs_of
 from numpy_cae.verify.operations.trial import failing_case

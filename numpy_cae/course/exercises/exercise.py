@@ -1,116 +1,125 @@
 """An exercise of a lesson: the function that a student writes, and its properties.
 
-Most exercises are operations and have the properties that `verify` states of them. The others
-(forward kinematics, the features, a step of descent, ...) state their own, in the same form, so
-that all are drawn, shrunk, reported and graded in the same way. The hints are in `hints.md`.
+The file `lesson_NN.toml` states the exercises of a lesson (`entries.py`); `lesson_NN.py` has the
+checks and the arguments that only they have. Most exercises are operations and have the properties
+that `verify` states of them. The others (forward kinematics, the features, a step of descent, ...)
+state their own, in the same form, so that all are drawn, shrunk, reported and graded in the same
+way.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
 
-from numpy_cae import ops
-from numpy_cae.course.exercises.checks import (
-    Arguments,
-    Differentiated,
-    purity,
-    same_as,
-    states,
-    with_arguments,
-)
+from numpy_cae import course, ops
+from numpy_cae.course.exercises.arguments import Arguments, drawn
+from numpy_cae.course.exercises.checks import CHECKS, Check, on_copies, purity, same_as
+from numpy_cae.course.exercises.differentiated import AGREES, Differentiated
+from numpy_cae.course.exercises.entries import FOLDER, entries_of
+from numpy_cae.verify.operations.case import Sizes
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
-from numpy_cae.verify.operations.operation import Operation, Sizes
+from numpy_cae.verify.operations.operation import OPERATIONS, Operation
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
-
-def operation_exercise(name: str, given: str = "") -> Exercise:
-    """An operation of `numpy_cae.ops` as an exercise: a function that returns value and pullback.
-
-    `given` names functions of earlier lessons that a solution may call: operations, or other
-    exercises.
-    """
-    return Exercise(
-        name, getattr(ops, name), properties_of_operation(name), given=tuple(given.split())
-    )
+FLOAT32 = {"states": "float32 stays float32", "form": True}
+PURE = {"states": "no argument is changed", "form": True}
 
 
-def composed_exercise(
-    solution: Callable,
-    arguments: Arguments,
-    inputs: str,
-    sizes: Sizes,
-    linear_in: tuple[str, ...] = (),
-    given: str = "",
-) -> Exercise:
-    """An exercise in the form of an operation that only the lesson has.
-
-    The value has to be that of the solution, the gradients for the `inputs` those of the student's
-    own value.
-    """
-    value = lambda *arguments: solution(*arguments)[0]  # noqa: E731
-    names = tuple(inputs.split())
-    operation = Operation(solution.__name__, sizes, arguments, names, value, linear_in)
-    properties = tuple(shared_properties(operation))
-    return Exercise(operation.name, solution, properties, given=tuple(given.split()))
+def exercises_of(number: str) -> tuple[Exercise, ...]:
+    """The exercises of a lesson."""
+    solutions = import_module(f"{course.__name__}.solutions.lesson_{number}")
+    has_module = (FOLDER / f"lesson_{number}.py").exists()
+    special = vars(import_module(f"{__package__}.lesson_{number}")) if has_module else {}
+    every = []
+    for name, entries in entries_of(number).items():
+        given = tuple(entries.get("given", "").split())
+        if "arguments" in entries or "like" in entries:
+            stated = Stated.of(getattr(solutions, name), entries, special)
+            every.append(Exercise(name, stated.solution, tuple(stated.properties()), given=given))
+        else:
+            properties = properties_of_operation(name)
+            every.append(Exercise(name, getattr(ops, name), properties, given=given))
+    return tuple(every)
 
 
-def exercise(
-    solution: Callable,
-    arguments: Arguments,
-    sizes: Sizes,
-    *properties: Property,
-    value: str = "",
-    pure: bool = True,
-    given: str = "",
-) -> Exercise:
-    """An exercise that is no operation, with properties of its own.
+@dataclass(frozen=True)
+class Stated:
+    """The entries of an exercise that is no operation of `numpy_cae.ops`, and its solution."""
 
-    `solution` is the package's own function, with the name of the exercise; `arguments` makes its
-    arguments from a case, by name, in the order of the call. `value` states that a function
-    returns what the solution returns; if the exercise is `pure`, a function may change no
-    argument. The sizes of a property replace those of the exercise.
-    """
-    name = solution.__name__
-    if value:
-        properties = (states("value", value)(same_as(solution)), *properties)
-    if pure:
-        properties = (*properties, purity)
-    bound = (
-        replace(
-            each,
-            operation=name,
-            check=with_arguments(each.check, arguments),
-            arguments=arguments,
-            sizes={**sizes, **each.sizes},
+    solution: Callable
+    entries: Mapping
+    arguments: Arguments
+    sizes: Sizes
+
+    @classmethod
+    def of(cls, solution: Callable, entries: Mapping, special: Mapping) -> "Stated":
+        """Find the arguments, which are an operation's, drawn as stated, or special ones."""
+        sizes = _as_tuples(entries.get("sizes", {}))
+        if "like" in entries:
+            operation = OPERATIONS[entries["like"]]
+            return cls(solution, entries, operation.arguments, {**operation.sizes, **sizes})
+        stated = entries["arguments"]
+        arguments = special[stated] if isinstance(stated, str) else drawn(stated, special)
+        return cls(solution, entries, arguments, sizes)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The arguments that get a gradient."""
+        return tuple(self.entries.get("inputs", "").split())
+
+    def properties(self) -> list[Property]:
+        """Those of an operation if it returns a value and its pullback, else those stated."""
+        if self.inputs and "returns" not in self.entries:
+            return list(shared_properties(self._operation()))
+        every = dict(self.entries.get("properties", {}))
+        if self.entries.get("float32"):
+            every["dtype"] = FLOAT32
+        if self.entries.get("pure", True):
+            every["purity"] = PURE
+        return [
+            self._property(name, {"states": each} if isinstance(each, str) else each)
+            for name, each in every.items()
+        ]
+
+    def _operation(self) -> Operation:
+        """The value has to be that of the solution, the gradients those of the student's value."""
+        value = lambda *arguments: self.solution(*arguments)[0]  # noqa: E731
+        linear_in = tuple(self.entries.get("linear_in", "").split())
+        name = self.solution.__name__
+        return Operation(name, self.sizes, self.arguments, self.inputs, value, linear_in)
+
+    def _property(self, name: str, entry: Mapping) -> Property:
+        options = {"examples": entry["examples"]} if "examples" in entry else {}
+        check = self._check(name, entry.get("gradient"))
+        return Property(
+            name,
+            entry.get("states", AGREES),
+            lambda function, case: check(function, case, **self.arguments(case)),
+            operation=self.solution.__name__,
+            arguments=self.arguments,
+            sizes={**self.sizes, **_as_tuples(entry.get("sizes", {}))},
+            is_form=entry.get("form", False),
+            is_gradient="gradient" in entry,
+            watches_state=name == "purity",
+            **options,
         )
-        for each in properties
-    )
-    return Exercise(name, solution, tuple(bound), given=tuple(given.split()))
+
+    def _check(self, name: str, gradient: str | None) -> Check:
+        """The check that only this exercise has, or the usual one for this property."""
+        if name == "purity":
+            return purity
+        if special := CHECKS.get((self.solution.__name__, name)):
+            return special
+        returns = tuple(self.entries.get("returns", ()))
+        if "inputs" not in self.entries:
+            return on_copies(same_as(self.solution, *returns))
+        differentiated = Differentiated(self.solution, self.inputs, returns)
+        if gradient is None:
+            return on_copies(getattr(differentiated, name))
+        return on_copies(partial(differentiated.gradient, gradient.split()))
 
 
-def differentiated_exercise(
-    solution: Callable,
-    arguments: Arguments,
-    inputs: tuple[str, ...],
-    returns: tuple[str, ...],
-    sizes: Sizes,
-    *properties: Property,
-    value: str,
-    gradients: Mapping[str, tuple[str, ...]],
-    float32: bool = False,
-    given: str = "",
-) -> Exercise:
-    """An exercise that returns a value and its derivatives.
-
-    `inputs` are the arguments that get a gradient, and `returns` names what the function returns,
-    as in `Differentiated`. `gradients` has, by the name of a property, the names of the arrays,
-    or () for all.
-    """
-    function = Differentiated(solution, inputs, returns)
-    properties = (
-        function.value(value),
-        *(function.gradient(name, only) for name, only in gradients.items()),
-        *((function.keeps_float32(),) if float32 else ()),
-        *properties,
-    )
-    return exercise(solution, arguments, sizes, *properties, given=given)
+def _as_tuples(sizes: Mapping[str, list]) -> dict[str, tuple]:
+    return {name: tuple(options) for name, options in sizes.items()}

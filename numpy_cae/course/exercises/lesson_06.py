@@ -1,27 +1,13 @@
-"""The exercises of lesson 06, learning: equation 3, corruption, a step of descent, the loop."""
+"""The checks and arguments of lesson 06, learning: corruption, and the loop over epochs."""
 
 import numpy as np
 
-from numpy_cae.course.exercises import lesson_05
-from numpy_cae.course.exercises.checks import (
-    Recorded,
-    drawn,
-    require_parts,
-    require_same,
-    size,
-    states,
-)
-from numpy_cae.course.exercises.exercise import (
-    differentiated_exercise,
-    exercise,
-    operation_exercise,
-)
-from numpy_cae.course.solutions.lesson_06 import layer_loss, sgd_step, train_layer, zero_values
+from numpy_cae.course.exercises.arguments import uniform
+from numpy_cae.course.exercises.checks import Recorded, checks, require_parts, require_same
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 P = 0.3
-ALPHA = 0.4  # far above the paper's 0.01: a missing sparsity term is noticed
 
 
 def loss_of_weights(x, corrupted, w, b):
@@ -36,7 +22,8 @@ LOSS_AS_TEXT = (
 )
 
 
-def _corruption_arguments(case: Case) -> dict[str, object]:
+def corruption_arguments(case: Case) -> dict[str, object]:
+    """Windows, and draws of which the share P is below P."""
     rng = case.rng()
     shape = (case["batch"], case["frames"], case["channels"])
     count = int(np.prod(shape))
@@ -44,17 +31,18 @@ def _corruption_arguments(case: Case) -> dict[str, object]:
     return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(even.reshape(shape))}
 
 
-def _loss_arguments(case: Case) -> dict[str, object]:
-    rng = case.rng()
-    x = lesson_05.uniform(rng, (case["batch"], case["frames"], case["channels"]), 1.0)
-    corrupted = x + lesson_05.uniform(rng, x.shape, 0.25)  # zeros would tie in the pooling
-    weights = lesson_05.random_weights(case, rng)
-    first = rng.random((case["batch"], case["frames"] // 2, case["filters"])) < 0.5
-    arrays = {"x": x, "corrupted": corrupted, **weights, "first": first}
-    return {**arrays, "alpha": ALPHA, "bound": lesson_05.BOUND}
+def corrupted(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Windows with noise: zeros would tie in the pooling."""
+    return made["x"] + uniform(rng, made["x"].shape, 0.25)
 
 
-def _training_arguments(case: Case) -> dict[str, object]:
+def first_frames(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Where a value is unpooled to the first frame of its pair."""
+    return rng.random((case["batch"], case["frames"] // 2, case["filters"])) < 0.5
+
+
+def training_arguments(case: Case) -> dict[str, object]:
+    """A small training, whose loss records its calls."""
     rng = case.rng()
     windows = spread(rng, (case["windows"], 4, 5))
     weights = {"w": spread(rng, (1, 5, 2)), "b": spread(rng, (2,))}
@@ -75,7 +63,7 @@ def _epochs_of_calls(train_layer, given: dict) -> tuple[tuple, list[list]]:
     return returned, [calls[steps * n : steps * (n + 1)] for n in range(epochs)]
 
 
-@states("every window", "loss gets each clean window once an epoch, in a new random order")
+@checks("train_layer", "every window")
 def _every_window_once(train_layer, case, **given):
     _, epochs = _epochs_of_calls(train_layer, given)
     orders = [given["windows"][:, 0, 0].tolist()]
@@ -89,7 +77,7 @@ def _every_window_once(train_layer, case, **given):
         orders.append(order.tolist())
 
 
-@states("corruption", "about the share p of each batch is set to zero, newly drawn")
+@checks("train_layer", "corruption")
 def _corrupted_anew(train_layer, case, **given):
     _, epochs = _epochs_of_calls(train_layer, given)
     lost = {}
@@ -104,7 +92,7 @@ def _corrupted_anew(train_layer, case, **given):
         raise AssertionError(f"p is {P}, but {share:.0%} of all values are zero")
 
 
-@states("steps", "each step starts from the last one's w and b; epoch e has rate · decay^e")
+@checks("train_layer", "steps")
 def _steps_descend(train_layer, case, **given):
     (weights, _), epochs = _epochs_of_calls(train_layer, given)
     pairs = weights if isinstance(weights, tuple | list) else ()
@@ -121,52 +109,7 @@ def _steps_descend(train_layer, case, **given):
         require_same(weights[number], (w, b), (f"w after epoch {number}", "b"))
 
 
-@states("losses", "losses has the plain mean of the numbers that loss returned in each epoch")
+@checks("train_layer", "losses")
 def _mean_losses(train_layer, case, **given):
     (_, losses), epochs = _epochs_of_calls(train_layer, given)
     require_equal("losses", losses, [np.mean([call[4] for call in calls]) for calls in epochs])
-
-
-EXERCISES = (
-    operation_exercise("mean_squared_error"),
-    operation_exercise("mean_absolute"),
-    exercise(
-        zero_values,
-        _corruption_arguments,
-        {"batch": (1, 2), "frames": (1, 2, 5), "channels": (1, 2, 3)},
-        value="0 where the draw is below p, x everywhere else",
-    ),
-    exercise(
-        sgd_step,
-        drawn(
-            parameter="taps channels",
-            gradient="taps channels",
-            rate=0.5,
-            decay=0.9,
-            epoch=size("epoch"),
-        ),
-        {"taps": (1, 3), "channels": (1, 2), "epoch": (0, 1, 2, 7)},
-        value="θ - η_0 · decay^epoch · dL/dθ",
-    ),
-    differentiated_exercise(
-        layer_loss,
-        _loss_arguments,
-        ("w", "b"),
-        ("the loss", "dw", "db"),
-        lesson_05.SIZES,
-        value="the loss is that of equation 3",
-        gradients={"gradient for w": ("w",), "gradient for b": ("b",)},
-        given=(
-            "arctanh conv1d max_pool tanh transpose_filters unpool_random decode_layer encode_layer"
-        ),
-    ),
-    exercise(
-        train_layer,
-        _training_arguments,
-        {"windows": (8, 9, 11), "batch": (1, 2, 3), "epochs": (2, 3)},
-        _every_window_once,
-        _corrupted_anew,
-        _steps_descend,
-        _mean_losses,
-    ),
-)

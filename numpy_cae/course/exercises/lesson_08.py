@@ -1,23 +1,13 @@
-"""The exercises of lesson 08, using the manifold.
+"""The checks and arguments of lesson 08, using the manifold.
 
 Repair with an unknown mask, filling in, comparing, and the linear map as a baseline.
 """
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Recorded, require_same, same_as, states
-from numpy_cae.course.exercises.exercise import exercise
-from numpy_cae.course.solutions.lesson_08 import (
-    G,
-    average_precision,
-    denoising_weights,
-    fill_unknown,
-    rescale,
-)
+from numpy_cae.course.exercises.checks import Recorded, checks, require_same
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import agrees
-
-WINDOWS = {"batch": (1, 2), "frames": (2, 3, 4, 6), "channels": (1, 2, 3)}
 
 
 def blurred(x: np.ndarray) -> np.ndarray:
@@ -25,9 +15,10 @@ def blurred(x: np.ndarray) -> np.ndarray:
     return 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1
 
 
-def _damaged_arguments(case: Case) -> dict[str, object]:
+def damaged_arguments(case: Case) -> dict[str, object]:
+    """Windows whose values were set to zero, and features that are zero in all frames."""
     rng = case.rng()
-    batch, frames, channels = (case[name] for name in WINDOWS)
+    batch, frames, channels = (case[name] for name in ("batch", "frames", "channels"))
     x = spread(rng, (batch, frames, channels))
     for window, channel in np.ndindex(batch, channels):
         lost = rng.permutation(frames)[: rng.integers(1, frames)]
@@ -37,7 +28,7 @@ def _damaged_arguments(case: Case) -> dict[str, object]:
     return {"x": np.concatenate([x, still], axis=2)}
 
 
-def _moment_arguments(case: Case) -> dict[str, object]:
+def moment_arguments(case: Case) -> dict[str, object]:
     """The moments of correlated random inputs z and outputs x."""
     rng = case.rng()
     inputs = case["inputs"]
@@ -47,7 +38,8 @@ def _moment_arguments(case: Case) -> dict[str, object]:
     return {"second": z.T @ z / len(z), "cross": z.T @ x / len(z), "kept": case["tenths"] / 10}
 
 
-def _hole_arguments(case: Case) -> dict[str, object]:
+def hole_arguments(case: Case) -> dict[str, object]:
+    """Windows, what is known of them, and a projection that records its calls."""
     rng = case.rng()
     shape = (case["batch"], case["frames"], case["channels"])
     known = rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
@@ -55,79 +47,34 @@ def _hole_arguments(case: Case) -> dict[str, object]:
     return {"x": spread(rng, shape), "known": known, "project": project}
 
 
-def _hidden_arguments(case: Case) -> dict[str, object]:
+def hidden_arguments(case: Case) -> dict[str, object]:
+    """Hidden values of two motions."""
     both = spread(case.rng(), (case["first"] + case["second"], case["units"]), 0.9)
     return {"y_0": both[: case["first"]], "y_1": both[case["first"] :]}
 
 
-def _ranking_arguments(case: Case) -> dict[str, object]:
+def ranking_arguments(case: Case) -> dict[str, object]:
+    """Distances of motions, and which are alike."""
     rng = case.rng()
     alike = np.arange(case["motions"]) < min(case["alike"], case["motions"])
     distances = spread(rng, (case["motions"],)) + 3.0
     return {"distances": distances, "alike": rng.permutation(alike)}
 
 
-@states("nothing lost", "a window without zeros is not changed", is_form=True)
+@checks("rescale", "nothing lost")
 def _nothing_lost(function, case, x):
     full = spread(case.rng(), x.shape)
     require_same(function(full), full)
 
 
-@states("known", "known values stay exactly as they are")
+@checks("fill_unknown", "known")
 def _known_values_stay(function, case, x, known, project):
     require_same(function(x, known, project)[known], x[known], ("a known value",))
 
 
-@states("nothing there", "the values of x where it is unknown do not matter, NaN included")
+@checks("fill_unknown", "nothing there")
 def _unknown_values_ignored(function, case, x, known, project):
     number = function(x, known, project)
     with_nan = function(np.where(known, x, np.nan), known, project)
     if not agrees(with_nan, number):  # the function's own results: neither need be right
         raise AssertionError("NaN in place of the unknown values of x changes what it returns")
-
-
-STILL = "a feature that is zero in every frame does not count"
-_still_features = states("still features", STILL, sizes={"still": (1, 2)})(same_as(rescale))
-ALL_KEPT = "with kept = 1 they are ordinary least squares"
-_without_mask = states("nothing lost", ALL_KEPT, sizes={"tenths": (10,)})(
-    same_as(denoising_weights)
-)
-
-EXERCISES = (
-    exercise(
-        rescale,
-        _damaged_arguments,
-        {**WINDOWS, "still": (0,)},
-        _still_features,
-        _nothing_lost,
-        value="each window is divided by its share of values that are not zero",
-    ),
-    exercise(
-        denoising_weights,
-        _moment_arguments,
-        {"inputs": (1, 2, 3, 4), "outputs": (1, 2), "tenths": (5, 3, 8)},
-        _without_mask,
-        value="they solve M A = B, the means over all masks, weighted by probability",
-    ),
-    exercise(
-        fill_unknown,
-        _hole_arguments,
-        WINDOWS,
-        _known_values_stay,
-        _unknown_values_ignored,
-        value="an unknown value is that of the projection of the window with zeros there",
-        given="adam_step decode_layer encode_layer one_cycle stack_loss zero_values",
-    ),
-    exercise(
-        G,
-        _hidden_arguments,
-        {"first": (1, 2, 3), "second": (1, 2, 3), "units": (1, 2, 3)},
-        value="it is equation 4, channel by channel",
-    ),
-    exercise(
-        average_precision,
-        _ranking_arguments,
-        {"motions": (1, 2, 3, 5, 8), "alike": (1, 2, 3)},
-        value="it is the mean of found so far / rank, over the ranks of the motions alike",
-    ),
-)

@@ -1,0 +1,62 @@
+"""The arguments of an exercise, drawn as the file `lesson_NN.toml` states.
+
+x = "batch frames channels"                    an array of these sizes
+x = {array = "batch frames", within = 1.3}     with entries between -1.3 and 1.3
+x = {uniform = "batch frames", within = 0.5}   the same; many entries are uniform numbers
+taps = {size = "taps"}                         a size
+rate = {by = "frame_rate"}                     a function of (case, rng, arguments so far)
+bound = 0.9                                    a value
+"""
+
+from collections.abc import Callable, Mapping
+from math import prod
+
+import numpy as np
+
+from numpy_cae.verify.operations.case import Case, spread
+
+Arguments = Callable[[Case], dict[str, object]]
+SMALL = 8
+"""SMALL: arrays of at most so many entries are short to write down."""
+
+
+def drawn(entries: Mapping[str, object], space: Mapping[str, Callable]) -> Arguments:
+    """Arguments in the order of the call; `space` has the functions that the entries name."""
+
+    def arguments(case: Case) -> dict[str, object]:
+        rng = case.rng()
+        made: dict[str, object] = {}
+        for name, entry in entries.items():
+            made[name] = _drawn(entry, case, rng, space, made)
+        return made
+
+    return arguments
+
+
+def _drawn(
+    entry: object, case: Case, rng: np.random.Generator, space: Mapping, made: dict
+) -> object:
+    match entry:
+        case str(sizes):
+            return spread(rng, shape_in(case, sizes))
+        case {"array": sizes, "within": largest}:
+            return spread(rng, shape_in(case, sizes), largest)
+        case {"uniform": sizes, "within": largest}:
+            return uniform(rng, shape_in(case, sizes), largest)
+        case {"size": name}:
+            return case[name]
+        case {"by": name}:
+            return space[name](case, rng, made)
+    return entry
+
+
+def shape_in(case: Case, sizes: str) -> tuple[int, ...]:
+    """The shape "batch 3*hidden 2" in a case."""
+    axes = (axis.split("*") for axis in sizes.split())
+    return tuple(prod(int(f) if f.isdigit() else case[f] for f in factors) for factors in axes)
+
+
+def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:
+    """Entries between -bound and bound: of many, uniform ones, whose sums do not tie."""
+    is_small = np.prod(shape) <= SMALL
+    return spread(rng, shape, bound) if is_small else rng.uniform(-bound, bound, shape).round(3)

@@ -1,0 +1,58 @@
+"""Wrong operations whose mistakes are to be found by reading, in lesson 12."""
+
+from numpy_cae.verify.operations.catalogue import properties_of_operation
+from numpy_cae.verify.operations.patch import Patch, bug_named
+from numpy_cae.verify.operations.trial import failing_case
+
+CATCH_ALL = "special inputs"
+"""CATCH_ALL: a property of every operation that nearly every bug violates; naming it says nothing
+about the mistake."""
+MEANT = {"purity": ("purity", "independence")}
+"""MEANT: a function that keeps something between two calls is not pure either, as programmers use
+the word."""
+
+
+class Suspect:
+    """A wrong operation whose mistake is to be found by reading."""
+
+    def __init__(self, bug: Patch) -> None:
+        self._bug = bug
+        self.operation = bug.operation
+
+    def source(self) -> str:
+        """The source of the wrong operation."""
+        return self._bug.source()
+
+    def objection(self, named: object) -> str:
+        """Why the name of a property is no answer; "" if the operation violates that property."""
+        stated = {prop.name: prop for prop in properties_of_operation(self.operation)}
+        if named == CATCH_ALL:
+            return f"{CATCH_ALL!r} tests every result: name the property that the mistake is about"
+        if named not in stated:
+            names = ", ".join(name for name in stated if name != CATCH_ALL)
+            return f"{self.operation} has no property {named!r}; it has {names}"
+        meant = [stated[each] for each in MEANT.get(named, (named,))]
+        if any(failing_case(one, self._bug.function()) is not None for one in meant):
+            return ""
+        return f"this {self.operation} has the property {named!r}: {meant[0].statement}"
+
+    def verdict(self, named: object) -> str:
+        """The mistake if the answer is right, else what is wrong with the answer."""
+        objection = self.objection(named)
+        return f"not yet: {objection}" if objection else self._bug.sentence
+
+
+_ACCUSED = tuple(
+    bug_named(name)
+    for name in (
+        "conv_without_flip arctanh_gradient_beyond_bound conv_bias_not_over_windows "
+        "step_biases_alike gru_first_state_dropped conv_accumulates"
+    ).split()
+)
+SUSPECTS = tuple(map(Suspect, _ACCUSED))
+"""The bugs to be found by reading, the first one being suspect 1."""
+
+
+def accuse(suspect):
+    """The property that suspect 1, 2, ... violates."""
+    return _ACCUSED[suspect - 1].caught_by
