@@ -62,8 +62,7 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     w_hat = (matrices.g @ w.reshape(taps, -1)).reshape(products, channels, filters)
     padded = _time_first(x, taps // 2, matrices, count, dtype)
     u = _analyse(matrices.a, overlapping(padded, matrices, count)).reshape(products, -1, channels)
-    v = u @ w_hat
-    y = _synthesise(matrices.c, v.reshape(products, count, -1))
+    y = _synthesise(matrices.c, (u @ w_hat).reshape(products, count, -1))
     y = _batch_first(y.reshape(-1, batch * filters), batch, frames) + b
 
     def pullback(dy: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -74,10 +73,9 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
         dw_hat = u.transpose(0, 2, 1) @ dv
         dw = (matrices.g.T @ dw_hat.reshape(products, -1)).reshape(w.shape)
         du = dv @ w_hat.transpose(0, 2, 1)
-        dx_blocks = _synthesise(matrices.a.T, du.reshape(products, count, -1))
-        dx_padded = np.empty_like(padded)
-        overlap_add(dx_blocks, matrices, dx_padded)
-        return _batch_first(dx_padded[taps // 2 :], batch, frames), dw, dy.sum(axis=(0, 1))
+        dx = np.empty_like(padded)
+        overlap_add(_synthesise(matrices.a.T, du.reshape(products, count, -1)), matrices, dx)
+        return _batch_first(dx[taps // 2 :], batch, frames), dw, dy.sum(axis=(0, 1))
 
     return y, pullback
 

@@ -25,7 +25,7 @@ from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fracti
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import FEATURES, RootTransform, positions_to_features
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.lengths import bone_lengths, change_lengths, problem_of_lengths
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH
 
@@ -295,6 +295,9 @@ class MotionManifold:
         for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
             numbers(arrays, f"w{number}", (taps, below, above))
             numbers(arrays, f"b{number}", (above,))
+        lengths = numbers(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH)
+        if problem := problem_of_lengths(lengths):
+            raise ValueError(f"lengths: {problem}")
         bound = numbers(arrays, "bound", (), SMALLEST, 1 - SMALLEST)
         network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
         # The weights of the starter model are float16, to save space.
@@ -305,7 +308,7 @@ class MotionManifold:
             network,
             numbers(arrays, "mean_pose", (FEATURES,)),
             numbers(arrays, "scale", (FEATURES,), SMALLEST),
-            numbers(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH),
+            lengths,
             float(numbers(arrays, "rate", (), 1.0, MAX_RATE)),
             json_object(arrays, "settings"),
             bool(integer(arrays, "rescales", 0, 1)),

@@ -61,7 +61,11 @@ def problem_of(positions: np.ndarray) -> str:
     if not np.isfinite(positions).all():
         return "some frames have values that are not numbers; `numpy-cae repair` fills them in"
     # A few damaged frames do not change the median.
-    lengths = np.median(frame_lengths(positions), axis=0)
+    return problem_of_lengths(np.median(frame_lengths(positions), axis=0))
+
+
+def problem_of_lengths(lengths: np.ndarray) -> str:
+    """The same of bone lengths (20,) in metres."""
     legs = lengths[_LEGS].sum()
     if not LEGS[0] <= legs <= LEGS[1]:
         problem = f"the bones to both knees and ankles are {legs:.3g} m long in all"

@@ -1,5 +1,6 @@
 """Every subcommand: its help has an example; every failure is one line, status 2 and no file."""
 
+import os
 import shutil
 
 import numpy as np
@@ -32,6 +33,7 @@ def things(tiny_manifolds, tmp_path_factory):
     (base / "plain.txt").write_text("a note\n")
     for number, mask in enumerate(["{", "[]", '[{"joint": 3}]', '[{}, {"limb": "tail"}]']):
         (base / f"mask_{number}.json").write_text(mask)
+    os.mkfifo(base / "pipe.json")
     text = (base / "motions" / "walk_0.bvh").read_text()
     (base / "cut.bvh").write_text(text[: text.index("MOTION")])
     shutil.copy(FILES / "one_joint.bvh", base / "paw.bvh")

@@ -112,6 +112,7 @@ def test_an_array_that_is_missing_or_not_finite_is_an_error(models, kind, file):
         ("conv", "rate", np.array([{"run": "me"}], dtype=object), "not a model"),
         ("conv", "w1", np.zeros((5, 62, 12), np.float32), "w1 has shape"),
         ("conv", "joints", ["tail"], "joints"),
+        ("conv", "lengths", np.zeros(20), "lengths: the bones to both knees"),
         ("conv", "rescales", True, "rescales is not"),
         ("conv", "settings", '{"a": ' + "[" * 50_000 + "]" * 50_000 + "}", "recursion"),
         ("conv", "settings", 3.0, "settings is not a JSON object"),

@@ -90,6 +90,8 @@ def _mask(
 
 def _entries(path: Path) -> list:
     """The entries of a mask file."""
+    if path.exists() and not path.is_file():  # a pipe would be waited for
+        raise MotionFileError(path, None, "expected a regular file")
     try:
         entries = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_once_each)
     except (json.JSONDecodeError, RecursionError) as error:
