@@ -1,23 +1,20 @@
-"""Both papers' networks on the protocol's 59 columns, trained by denoising (holden2015, section 6).
+"""holden2015's network on the protocol's 59 columns, trained by denoising (section 6).
 
 The corruption has the protocol's shape: a limb's columns are replaced over many rows. The
 replacement is not zero, but the prediction of a Gaussian process from the other columns, learned
-from other takes. So filling in starts with that prediction, and the network corrects it. The output
-of the convolutional network is averaged over all shifts of the pooling grid, that of the sequential
-network over all clips that contain a row.
+from other takes. So filling in starts with that prediction, and the network corrects it. Its output
+is averaged over all shifts of the pooling grid.
 """
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
-from numpy_cae import ops
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.shifted_projection import project_shifted
-from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
-from numpy_cae.training.schedule import learning_rates, one_cycle
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.training import Stage
+from numpy_cae.training.schedule import learning_rates
 from numpy_cae.training.step import denoising_step, make_optimiser
 from studies.cmu_protocol.baselines import add_residual, ridge
 from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, Learn, Method
@@ -33,34 +30,28 @@ FILTERS, TAPS, WINDOW, STEPS = (128,), 15, 32, 500
 STAGE = Stage(
     epochs=1, rate=2e-3, alpha=0.0, norm=0.05, optimiser="adam", rate_schedule="one-cycle"
 )
-UNITS, LATENT, CLIP, SEQUENCE_STEPS, SEQUENCE_RATE = 96, 32, 8, 600, 3e-3
-WEIGHT, DIRECTIONS = 0.001, 32
-"""λ of the sliced Wasserstein distance, and its directions."""
 
-Draw = Callable[[np.random.Generator, int], tuple[np.ndarray, np.ndarray]]
-"""Random numbers and a number of rows to a batch of true windows and the corrupted windows."""
+Draw = Callable[[np.random.Generator], tuple[np.ndarray, np.ndarray]]
+"""Random numbers to a batch of true windows and the corrupted windows."""
 Project = Callable[[np.ndarray], np.ndarray]
 """A take (F, 59), multiplied by the factors of its columns, to the network's output."""
-Train = Callable[[Draw, int], Project]
-"""Batches and a seed to a trained network."""
 
 
-def networks_of(trainings: Sequence[tuple[Train, int]]) -> Learn:
-    """A `Learn` that trains one network for each pair of a training and a seed.
+def networks_of(seeds: Sequence[int]) -> Learn:
+    """A `Learn` that trains one network for each seed.
 
-    A training is `convolutional` or `sequential`. When filling in, the columns are hidden in all
-    rows, so that `add_residual` can measure the network's error in the rows before the hole.
+    When filling in, the columns are hidden in all rows, so that `add_residual` can measure the
+    network's error in the rows before the hole.
     """
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> list[Fill]:
         factors = np.full(59, VISIBLE, np.float32)
         factors[columns] = HIDDEN
-        started = _started(takes, columns)
         padded = [_padded(take * factors, WINDOW // 4) for take in takes]
-        padded_starts = [_padded(take * factors, WINDOW // 4) for take in started]
+        started = [_padded(take * factors, WINDOW // 4) for take in _started(takes, columns)]
 
-        def draw(rng: np.random.Generator, length: int) -> tuple[np.ndarray, np.ndarray]:
-            x, corrupted = _windows(padded, padded_starts, length, rng)
+        def draw(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+            x, corrupted = _windows(padded, started, rng)
             noise = rng.standard_normal(x.shape, dtype=np.float32)
             return x, corrupted + NOISE * factors * noise
 
@@ -73,14 +64,9 @@ def networks_of(trainings: Sequence[tuple[Train, int]]) -> Learn:
             return add_residual(fill, columns)
 
         fill_start = start(columns)(takes, columns)
-        return [fill_with(train(draw, seed)) for train, seed in trainings]
+        return [fill_with(trained(draw, seed)) for seed in seeds]
 
     return learn
-
-
-def ensemble(fills: Sequence[Fill]) -> Fill:
-    """The mean of what several networks fill in."""
-    return lambda take, first: np.mean([fill(take, first) for fill in fills], axis=0)
 
 
 def start(columns: list[int]) -> Method:
@@ -89,57 +75,20 @@ def start(columns: list[int]) -> Method:
     return ridge(*START[group])
 
 
-def convolutional(draw: Draw, seed: int) -> Project:
+def trained(draw: Draw, seed: int) -> Project:
     """Train a `ConvAutoencoder`."""
     rng = np.random.default_rng(seed)
     network = accelerate(ConvAutoencoder(59, FILTERS, TAPS, rng=rng), 1)
-    optimiser, stride = make_optimiser(STAGE, network.parameters), network.stride
-    rates = learning_rates(STAGE, STEPS)
-    for step in range(STEPS):
-        x, corrupted = draw(rng, WINDOW)
-        denoising_step(network, x, corrupted, None, STAGE, rates[step], optimiser)
+    optimiser = make_optimiser(STAGE, network.parameters)
+    for rate in learning_rates(STAGE, STEPS):
+        x, corrupted = draw(rng)
+        denoising_step(network, x, corrupted, None, STAGE, rate, optimiser)
 
     def project(take: np.ndarray) -> np.ndarray:
         padded = _padded(take, WINDOW)
-        padded = padded[: len(padded) // stride * stride]
+        padded = padded[: len(padded) // network.stride * network.stride]
         projected = project_shifted(network, padded[None], average_shifts=True)[0]
         return projected[WINDOW : WINDOW + len(take)]
-
-    return project
-
-
-def sequential(draw: Draw, seed: int) -> Project:
-    """Train a `SequentialAutoencoder`.
-
-    jang2018 trains it to reproduce its own input; here the input is corrupted. The engine of `fast`
-    computes the loss of jang2018 only, so the gradients are those of the definitions.
-    """
-    rng = np.random.default_rng(seed)
-    network = SequentialAutoencoder(59, UNITS, LATENT, rng)
-    optimiser = Adam(network.weights)
-    for step in range(SEQUENCE_STEPS):
-        x, corrupted = draw(rng, CLIP)
-        z, encoder_pullback = network.encode_with_pullback(corrupted)
-        x_hat, decoder_pullback = network.decode_with_pullback(z, CLIP)
-        _, error_pullback = ops.mean_squared_error(x_hat, x)
-        prior = rng.standard_normal(z.shape, dtype=np.float32)
-        directions = unit_directions(DIRECTIONS, LATENT, rng)
-        _, prior_pullback = ops.sliced_wasserstein(z, prior, directions)
-        dz, of_decoder = decoder_pullback(error_pullback())
-        gradients = encoder_pullback(dz + prior_pullback(WEIGHT)) | of_decoder
-        flat = [gradients[name] for name in network.weights]
-        clip_norm(flat, 1.0)
-        optimiser.update(flat, one_cycle(SEQUENCE_RATE, step / SEQUENCE_STEPS))
-    fast = accelerate(network, 1)
-
-    def project(take: np.ndarray) -> np.ndarray:
-        padded = _padded(take, CLIP)
-        total, count = np.zeros(padded.shape), np.zeros((len(padded), 1))
-        clips = sliding_window_view(padded, CLIP, axis=0).swapaxes(1, 2)
-        for first, clip in enumerate(fast.denoise(clips)):
-            total[first : first + CLIP] += clip
-            count[first : first + CLIP] += 1
-        return (total / count)[CLIP : CLIP + len(take)]
 
     return project
 
@@ -156,19 +105,19 @@ def _started(takes: Sequence[np.ndarray], columns: list[int]) -> list[np.ndarray
 
 
 def _windows(
-    takes: list[np.ndarray], started: list[np.ndarray], length: int, rng: np.random.Generator
+    takes: list[np.ndarray], started: list[np.ndarray], rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """Windows of random takes, and the same windows corrupted.
 
     Half of the windows have predicted columns in all rows, the other half from a random row on.
     """
-    counts = np.array([len(take) - length + 1 for take in takes])
-    x = np.empty((BATCH, length, takes[0].shape[1]), np.float32)
+    counts = np.array([len(take) - WINDOW + 1 for take in takes])
+    x = np.empty((BATCH, WINDOW, takes[0].shape[1]), np.float32)
     corrupted = np.empty_like(x)
     for window, number in enumerate(rng.choice(len(takes), BATCH, p=counts / counts.sum())):
         begin = rng.integers(counts[number])
-        rows = slice(begin, begin + length)
-        first = rng.integers(length) if rng.random() < 0.5 else 0
+        rows = slice(begin, begin + WINDOW)
+        first = rng.integers(WINDOW) if rng.random() < 0.5 else 0
         x[window] = corrupted[window] = takes[number][rows]
         corrupted[window, first:] = started[number][rows][first:]
     return x, corrupted

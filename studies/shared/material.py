@@ -81,15 +81,6 @@ class Material:
         return used
 
 
-def unlabelled(training: Sequence[np.ndarray], testing: Sequence[np.ndarray]) -> Material:
-    """A material of takes without labels, from their world positions (F, 20, 3)."""
-
-    def takes(positions: Sequence[np.ndarray]) -> list[LabelledTake]:
-        return [LabelledTake(Path(f"take {n}"), take) for n, take in enumerate(positions, 1)]
-
-    return Material(takes(training), takes(testing))
-
-
 def features_of(manifold: MotionManifold, takes: Sequence[LabelledTake]) -> list[np.ndarray]:
     """The features (F, 63) of each take."""
     return [manifold.features(take.positions)[0] for take in takes]

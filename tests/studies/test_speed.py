@@ -1,15 +1,17 @@
 """Times: both implementations agree, its arithmetic is right, its table is complete."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from numpy_cae.fast import accelerate
-from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.models import ConvAutoencoder
+from numpy_cae.training import recipe
 from studies import speed
-from studies.timing import alternately
+from studies.timing import alternately, time_to_quality
 from studies.timing.alternately import Timing, time_alternately
 from studies.timing.torch_convolutional import TorchModel, cases, require_agreement, torch
-from studies.timing.torch_sequential import SequenceCase, TorchSequenceModel
 
 if torch is not None:
     torch.set_num_threads(1)  # only values are compared here
@@ -49,29 +51,14 @@ def test_pytorch_computes_the_same():
     for case in cases(model, 3):
         theirs = TorchModel(model).function(case)
         require_agreement(case.name, case.function(accelerate(model))(), theirs())
-    rng = np.random.default_rng(0)
-    model = SequentialAutoencoder(5, 7, 3, rng, np.float64, burn_in=2)
-    for name, weight in model.weights.items():
-        model.weights[name] = rng.normal(scale=0.4, size=weight.shape)
-    case = SequenceCase.drawn(model, 4)
-    theirs = TorchSequenceModel(model).function(case)
-    require_agreement("sequential", case.function(accelerate(model))(), theirs())
 
 
 @needs_torch
 def test_different_computations_are_not_timed(monkeypatch):
-    encode, reconstruct = TorchModel.encode, TorchSequenceModel.reconstruct
-
-    def reversed_twice(model, x):
-        z, x_hat = reconstruct(model, x)
-        return z, x_hat.flip(1)
-
+    encode = TorchModel.encode
     monkeypatch.setattr(TorchModel, "encode", lambda *arguments: 0.999 * encode(*arguments))
-    monkeypatch.setattr(TorchSequenceModel, "reconstruct", reversed_twice)
     with pytest.raises(ArithmeticError, match="differs in 'layer 1, random'"):
         next(speed.rows([1], 1))
-    with pytest.raises(ArithmeticError, match="differs in 'sequential'"):
-        next(speed.sequence_rows([2], 1))
 
 
 @pytest.mark.parametrize("load", [0.1, 3.0])
@@ -90,11 +77,17 @@ def test_the_table_has_a_row_for_each_case(monkeypatch, load):
 
 
 @needs_torch
-def test_the_sequential_network_has_a_row_for_each_width(monkeypatch):
-    monkeypatch.setattr(speed, "HIDDEN", (4, 6))
-    monkeypatch.setattr(alternately, "MIN_SECONDS", 1e-4)
-    (table,) = speed.run((1, 2), 1, sequential=True).tables
-    assert [row[:2] for row in table.rows] == [
-        [f"hidden {units}", batch] for batch in (1, 2) for units in (4, 6)
+def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, labelled):
+    curves = {"ours": [(2.0, 3.0), (4.0, 1.9), (6.0, 1.0)], "theirs": [(5.0, 4.0), (10.0, 2.0)]}
+    table = time_to_quality.quality(curves)
+    assert table.header[1] == "seconds to 2.000 cm"
+    assert table.rows[1] == ["theirs", 10.0, 2.5, 10.0, 2.0]
+    stage = replace(recipe("fast").fine_tuning, epochs=3)
+    tiny = replace(recipe("fast"), fine_tuning=stage)
+    monkeypatch.setattr(time_to_quality, "recipe", lambda name: tiny)
+    monkeypatch.setattr(time_to_quality, "USUAL", replace(stage, norm=None))
+    (table,) = speed.run((), 1, training=True, material=labelled).tables
+    assert [row[0] for row in table.rows][1:] == [
+        f"PyTorch, {s} settings" for s in ("usual", "our")
     ]
-    assert all(len(row) == 7 for row in table.rows)
+    assert all(0 < row[4] < 10 for row in table.rows)
