@@ -16,7 +16,7 @@ from numpy_cae.motion.angles import unwrapped
 from numpy_cae.motion.key_curves import Curve, eased
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import RATE
-from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
+from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, slerp, to_vector
 
 EVERY = slice(None)
 """EVERY: all frames."""
@@ -115,3 +115,45 @@ def _put(inside: np.ndarray, filled: np.ndarray, hole: _Hole, frames: np.ndarray
         inside = inside[frames[first : hole.end]]
         first = int(np.count_nonzero(frames[:first]))
     filled[first : first + len(inside), hole.columns] = inside
+
+
+SHORT_SECONDS = 0.25
+"""SHORT_SECONDS: a damaged stretch of at most this duration (s) is interpolated with its spikes."""
+
+
+def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:
+    """The rotations (F, 4) of one joint, changed where `damaged` (F) to continue those around.
+
+    Positions do not determine the rotation of a bone about its own axis, so retargeting takes it
+    over from the original motion, where it would jump at both ends of a damaged stretch. A short
+    stretch is therefore interpolated by slerp first. In a longer one, D_first and D_last are the
+    corrections that would join its first and its last frame to the frames outside, and s runs from
+    0 to 1 over the stretch:
+
+        R'_t = R_t · exp((1 - s) log D_first + s log D_last),   D = R⁻¹ · (R continued from outside)
+
+    This keeps the details in between, and it restores a joint that is frozen or off by a constant
+    rotation.
+    """
+    changed = rotations.copy()
+    for first, end in runs(damaged):
+        inside = rotations[first:end]
+        # [1::-1]: the first two frames after the stretch, in reverse order.
+        before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
+        ends = ((inside[0], before), (inside[-1], after))
+        corrections = [to_vector(product(inverse(now), to)) for now, to in ends if to is not None]
+        if len(corrections) == 2 and end - first <= SHORT_SECONDS * rate:
+            share = np.arange(1, end - first + 1) / (end - first + 1)
+            changed[first:end] = slerp(rotations[first - 1], rotations[end], share)
+        elif corrections:
+            share = np.linspace(0, 1, end - first)[:, None]
+            applied = from_vector((1 - share) * corrections[0] + share * corrections[-1])
+            changed[first:end] = product(inside, applied)
+    return changed
+
+
+def _continued(last: np.ndarray) -> np.ndarray | None:
+    """The rotation that continues the `last` one or two, (1 or 2, 4); None if there are none."""
+    if len(last) == 0:
+        return None
+    return product(product(last[-1], inverse(last[0])), last[-1])

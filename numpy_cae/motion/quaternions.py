@@ -5,6 +5,8 @@ unit vector a. `scipy.spatial.transform` has the same operations. Here a product
 of its time, and a command need not wait a quarter of a second until SciPy is imported.
 """
 
+from itertools import permutations
+
 import numpy as np
 
 IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
@@ -113,3 +115,46 @@ def to_angles(order: str, q: np.ndarray) -> np.ndarray:
     first = np.where(low, 2 * total, np.where(high, 2 * difference, total + difference))
     angles = np.stack([sign * first, middle - np.pi / 2, last], axis=1)
     return angles - 2 * np.pi * np.round(angles / (2 * np.pi))
+
+
+def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
+    """Angles of the same rotations as `angles` (F, 1 to 3), without avoidable jumps from frame to
+    frame. All are in radians; the first ones are near the angles `before` (N,)."""
+    before = angles[0] if before is None else before
+    if angles.shape[1] == 3:
+        other = angles * [1, -1, 1] + np.pi
+        from_one = _distance(np.vstack([before, angles[:-1]]), angles)
+        from_other = _distance(np.vstack([before, angles[:-1]]), other)
+        use_other = np.cumsum(from_other < from_one) % 2 == 1
+        angles = np.where(use_other[:, None], other, angles)
+    steps = np.diff(np.vstack([before, angles]), axis=0)
+    return angles - 2 * np.pi * np.cumsum(np.round(steps / (2 * np.pi)), axis=0)
+
+
+def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """The largest of three differences of angles (F, 3), apart from whole turns: (F,)."""
+    turns = (one - other) / (2 * np.pi)
+    return 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1)
+
+
+def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
+    """The angles (F, N) in radians about the axes of `order` whose rotations are nearest.
+
+    If these are fewer than three, the rotations are decomposed about every sequence of three axes
+    that contains them in this order. The angles about the other axes are dropped, and in each frame
+    the nearest result is returned.
+    """
+    if order.islower():  # fixed axes in this order are own axes in reverse order
+        return nearest_angles(rotations, order[::-1].upper())[:, ::-1]
+    found = np.zeros((len(rotations), len(order)))
+    least = np.full(len(rotations), np.inf if order else -np.inf)
+    for three in map("".join, permutations("XYZ")):
+        places = [three.index(axis) for axis in order]
+        if places == sorted(places):
+            angles = to_angles(three, rotations)[:, places]
+            if len(order) == 3:
+                return angles
+            miss = angle(product(inverse(from_angles(order, angles)), rotations))
+            found[miss < least] = angles[miss < least]
+            least = np.minimum(least, miss)
+    return found

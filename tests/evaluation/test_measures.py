@@ -11,8 +11,8 @@ from data_synth import make_take
 from numpy_cae import evaluation, mocap, motion
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.evaluation.samples import clip_distances
-from numpy_cae.mocap.retarget.fit import body_skeleton
 from numpy_cae.motion import JOINTS
+from numpy_cae.motion.fit import body_skeleton
 from studies.shared.retrieval import average_precision
 from studies.shared.validity import Validity, ValidityMeasure
 

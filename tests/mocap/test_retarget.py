@@ -12,10 +12,9 @@ from scipy.spatial.transform import Rotation
 from data_synth import make_take
 from numpy_cae.mocap import UnknownRigError, body_of, body_positions, retarget
 from numpy_cae.mocap.retarget.body import at_rate_of
-from numpy_cae.mocap.retarget.fit import body_skeleton
-from numpy_cae.mocap.retarget.rotations import fit_fan, swing
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.motion import JOINTS, Motion, Skeleton
+from numpy_cae.motion.fit import body_skeleton, fit_fan, swing
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate, to_vector
 
 LENGTHS = np.array([0, 12, 24, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.mocap.retarget.fit import body_skeleton, fit_motion
 from numpy_cae.motion import JOINTS, PARENTS, Motion, bone_lengths, change_lengths, cut_windows
 from numpy_cae.motion.features import (
     POSITIONS,
@@ -19,6 +18,7 @@ from numpy_cae.motion.features import (
     positions_to_features,
     smoothed,
 )
+from numpy_cae.motion.fit import body_skeleton, fit_motion
 
 SIDES = ("left", "right")
 STEADY = [JOINTS.index(f"{side}_{end}") for side in SIDES for end in ("hip", "shoulder")] + [0]

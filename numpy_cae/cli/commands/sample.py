@@ -17,9 +17,9 @@ from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.mocap import body_of, find_motion_files, load_body
 from numpy_cae.mocap.formats.write import require_bvh
 from numpy_cae.mocap.retarget.body import Body, hold_first_pose
-from numpy_cae.mocap.retarget.fit import fit_motion
 from numpy_cae.motion import Motion, features_to_positions
 from numpy_cae.motion.features import RootTransform
+from numpy_cae.motion.fit import fit_motion
 from numpy_cae.viz import PROJECTED
 
 SECONDS = 5.0

@@ -6,7 +6,6 @@ an editor do not jump.
 """
 
 from dataclasses import dataclass, field
-from itertools import permutations
 
 import numpy as np
 
@@ -86,7 +85,7 @@ class Channels:
         if self.axes is not None:
             inverse = quaternions.inverse(self.axes)
             local = quaternions.product(quaternions.product(inverse, local), self.axes)
-        angles = nearest_angles(local, self.order)
+        angles = quaternions.nearest_angles(local, self.order)
         jump = 0 if before is None else len(angles)
         if before is None and after is None:
             before, jump = present[0], len(angles)
@@ -95,9 +94,11 @@ class Channels:
             jump = int(np.argmax(steps.max(axis=1)))
         parts = []
         if jump > 0 and before is not None:
-            parts.append(continuous_angles(angles[:jump], self.angle_unit * before))
+            parts.append(quaternions.continuous_angles(angles[:jump], self.angle_unit * before))
         if jump < len(angles) and after is not None:
-            parts.append(continuous_angles(angles[jump:][::-1], self.angle_unit * after)[::-1])
+            parts.append(
+                quaternions.continuous_angles(angles[jump:][::-1], self.angle_unit * after)[::-1]
+            )
         return np.concatenate(parts) / self.angle_unit
 
 
@@ -119,47 +120,3 @@ def read_pose(
                 placed[:, joint, coordinate] = place + of_joint.unit * block[:, column]
             turned[:, joint] = of_joint.rotations(block[:, of_joint.columns("r")])
     return rotations, translations
-
-
-def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
-    """Angles of the same rotations as `angles` (F, 1 to 3), without avoidable jumps from frame to
-    frame. All are in radians; the first ones are near the angles `before` (N,)."""
-    before = angles[0] if before is None else before
-    if angles.shape[1] == 3:
-        other = angles * [1, -1, 1] + np.pi
-        from_one = _distance(np.vstack([before, angles[:-1]]), angles)
-        from_other = _distance(np.vstack([before, angles[:-1]]), other)
-        use_other = np.cumsum(from_other < from_one) % 2 == 1
-        angles = np.where(use_other[:, None], other, angles)
-    steps = np.diff(np.vstack([before, angles]), axis=0)
-    return angles - 2 * np.pi * np.cumsum(np.round(steps / (2 * np.pi)), axis=0)
-
-
-def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The largest of three differences of angles (F, 3), apart from whole turns: (F,)."""
-    turns = (one - other) / (2 * np.pi)
-    return 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1)
-
-
-def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
-    """The angles (F, N) in radians about the axes of `order` whose rotations are nearest.
-
-    If these are fewer than three, the rotations are decomposed about every sequence of three axes
-    that contains them in this order. The angles about the other axes are dropped, and in each frame
-    the nearest result is returned.
-    """
-    if order.islower():  # fixed axes in this order are own axes in reverse order
-        return nearest_angles(rotations, order[::-1].upper())[:, ::-1]
-    nearest = np.zeros((len(rotations), len(order)))
-    least = np.full(len(rotations), np.inf if order else -np.inf)
-    for three in map("".join, permutations("XYZ")):
-        places = [three.index(axis) for axis in order]
-        if places == sorted(places):
-            angles = quaternions.to_angles(three, rotations)[:, places]
-            if len(order) == 3:
-                return angles
-            inverse = quaternions.inverse(quaternions.from_angles(order, angles))
-            miss = quaternions.angle(quaternions.product(inverse, rotations))
-            nearest[miss < least] = angles[miss < least]
-            least = np.minimum(least, miss)
-    return nearest

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.mocap.formats.channels import continuous_angles
 from numpy_cae.mocap.formats.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
 from numpy_cae.mocap.formats.text_file import MAX_LINE, TextFile
 from numpy_cae.mocap.units import require_unit, unit_name
@@ -118,6 +117,6 @@ def cmu_root(text: np.ndarray) -> np.ndarray:
     for part in parts:  # a part is a view: assigning to it changes zxy
         if abs(part[0, 2]) > np.pi / 2:  # the database begins with y between -90° and 90°
             part[0] = part[0] * [1, -1, 1] + np.pi
-        part[:] = continuous_angles(part)
+        part[:] = quaternions.continuous_angles(part)
     z, x, y = zxy.T
     return quaternions.from_angles("ZYX", np.stack([z, y, x], axis=1))

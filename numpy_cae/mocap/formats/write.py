@@ -15,7 +15,6 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.coordinates import as_in_file
-from numpy_cae.mocap.formats.channels import continuous_angles, nearest_angles
 from numpy_cae.mocap.formats.text_file import MAX_JOINTS, MAX_VALUE
 from numpy_cae.mocap.units import require_unit
 from numpy_cae.motion.motion import (
@@ -26,6 +25,7 @@ from numpy_cae.motion.motion import (
     depth_first,
     require_finite,
 )
+from numpy_cae.motion.quaternions import continuous_angles, nearest_angles
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]

@@ -25,10 +25,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.rotations import fit_fan, swing
-from numpy_cae.mocap.retarget.seams import without_seams
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
+from numpy_cae.motion.fit import fit_fan, swing
+from numpy_cae.motion.hole_curves import without_seams
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate
