@@ -1,0 +1,184 @@
+"""What whole commands cost, how fast BVH is read, and how cost grows with each size.
+
+Commands are processes of their own: seconds of all their processors, start included, and the
+largest memory of one process. Readers of the package index are timed if they are installed (`pip
+install pybvh bvhio bvhtoolbox`). A slope is that of a straight line through the larger sizes,
+logarithm of the time over logarithm of the size: 1 is linear.
+
+    python -m studies costs -o costs
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from data_synth import make_take, plan_takes, write_series
+from numpy_cae.cli.shared.output import note
+from numpy_cae.fast import accelerate
+from numpy_cae.mocap import load_motion, write_bvh
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.motion import Motion, Skeleton
+from numpy_cae.viz import Curve, curves_figure
+from studies.shared.result import Picture, Result, Table
+from studies.timing.torch_convolutional import FRAMES
+from studies.timing.torch_sequential import LATENT, SequenceCase
+
+SECONDS = (1, 10, 60, 600, 3600)
+"""Lengths of the files that are repaired (s)."""
+FILES, WINDOWS = (1, 10, 100, 300), (1, 4, 16, 64, 256, 1024)
+JOINTS, HIDDEN = (20, 50, 100, 200, 500, 1000), (64, 128, 256, 512, 1024)
+LARGE = 3
+"""The slope is that of so many of the largest sizes."""
+TAKES_MINUTES = 58.0
+"""Minutes of synthetic motion that make 280 takes."""
+READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree"}
+"""Packages of the index and their functions; that of bvhtoolbox takes the text of a file."""
+Costs = Mapping[int, tuple[float, float | None]]
+"""Size to seconds, and megabytes if they were measured."""
+
+
+def run() -> Result:
+    """Measure everything in a temporary folder, which takes ten minutes and half a gigabyte."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        series = write_series(plan_takes(TAKES_MINUTES), folder / "takes", rate=30.0).parent
+        rows = list(_commands(folder, series))
+        commands = Table("", ["command", "processor, s", "peak, MB"], rows, ("", ".2f", ".0f"))
+        speeds = Table("", ["reader", "MB/s"], list(_readers(folder)), ("", ".1f"))
+        grown = dict(_growth(folder))
+    rows = [_row(what, costs) for what, costs in grown.items()]
+    header = ["size", "from", "to", "first, s", "last, s", "slope", "peak at the last, MB"]
+    growth = Table("", header, rows, ("", "", "", ".3f", ".3f", ".2f", ".0f"))
+    pictures = {
+        f"growth_{what.split()[0]}": Picture(partial(_figure, what, costs))
+        for what, costs in grown.items()
+    }
+    return Result("Costs", [commands, speeds, growth], figures=pictures)
+
+
+def _cost(*words: object) -> tuple[float, float]:
+    """Processor seconds and peak memory (MB) of a command of `numpy-cae`."""
+    argv = [sys.executable, "-m", "numpy_cae", *map(str, words)]
+    process = subprocess.Popen(argv, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode not in (0, 3):  # 3: nothing had to be repaired
+        raise OSError(f"{' '.join(argv)} ended with status {process.returncode}")
+    note(f"{' '.join(argv[3:5])}: {used.ru_utime + used.ru_stime:.2f} s")
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3
+
+
+def _commands(folder: Path, takes: Path) -> Iterator[list[object]]:
+    damaged = _walk(folder / "damaged.bvh", 80 / 30, spike=True)
+    yield ["--help", *_cost("--help")]
+    yield ["repair of 80 frames", *_cost("repair", damaged, "-o", folder / "fixed.bvh")]
+    yield ["demo", *_cost("demo", "-o", folder / "demo", "--quiet")]
+    model = folder / "model.npz"
+    count = len(list(takes.rglob("*.bvh")))
+    learned = _cost("train", takes, "-o", model, "--recipe", "fast", "--quiet")
+    yield [f"train --recipe fast, {count} takes", *learned]
+
+
+def _walk(path: Path, seconds: float, spike: bool = False) -> Path:
+    """A walk at thirty frames a second, repeated after ten seconds, with one turned elbow."""
+    motion = make_take("walk", 0, seconds=10.0, rate=30.0).motion
+    motion = motion.at(np.arange(round(30 * seconds)) % len(motion))
+    if spike:
+        motion.rotations[40, motion.skeleton.index("lradius")] = (0.6, 0.0, 0.0, 0.8)
+    write_bvh(motion, path, unit=0.01)
+    return path
+
+
+def _readers(folder: Path) -> Iterator[list[object]]:
+    path = _walk(folder / "long.bvh", 300.0)
+    readers: dict[str, Callable[[], object]] = {"numpy_cae": partial(load_motion, path)}
+    for package, function in READERS.items():
+        with suppress(ImportError):
+            given = path.read_text() if package == "bvhtoolbox" else str(path)
+            readers[package] = partial(getattr(import_module(package), function), given)
+    for name, read in readers.items():
+        yield [name, path.stat().st_size / 1e6 / _seconds(read)]
+
+
+def _seconds(work: Callable[[], object], times: int = 3) -> float:
+    """Processor seconds of a call, the least of some."""
+    least = np.inf
+    for _ in range(times):
+        begun = time.process_time()
+        work()
+        least = min(least, time.process_time() - begun)
+    return float(least)
+
+
+def _growth(folder: Path) -> Iterator[tuple[str, Costs]]:
+    """What grows, and its costs by size."""
+    long = {n: _walk(folder / f"{n}.bvh", n) for n in SECONDS}
+    out = folder / "out.bvh"
+    repaired = {n: _cost("repair", long[n], "-o", out, "--overwrite", "--project") for n in SECONDS}
+    yield "frames of a file that is repaired", {30 * n: cost for n, cost in repaired.items()}
+    yield "files that are repaired", {n: _cost("repair", *_copies(folder, n)) for n in FILES}
+    network = accelerate(ConvAutoencoder())
+    windows = {n: np.ones((n, FRAMES, 63), np.float32) for n in WINDOWS}
+    yield (
+        "windows that are projected",
+        {n: (_seconds(partial(network.project, x)), None) for n, x in windows.items()},
+    )
+    yield "joints of a file that is read", {n: (_joints(folder, n), None) for n in JOINTS}
+    yield "hidden units in a step of sequences", {n: (_step(n), None) for n in HIDDEN}
+
+
+def _copies(folder: Path, count: int) -> list[object]:
+    """The arguments of a repair of so many files."""
+    files = folder / f"files_{count}"
+    files.mkdir()
+    text = (folder / "damaged.bvh").read_bytes()
+    for number in range(count):
+        (files / f"{number}.bvh").write_bytes(text)
+    return [files, "-o", folder / f"fixed_{count}"]
+
+
+def _joints(folder: Path, count: int) -> float:
+    """Seconds to read ten seconds of a chain of so many joints."""
+    names = tuple(f"joint{n}" for n in range(count))
+    chain = Skeleton(names, tuple(range(-1, count - 1)), np.full((count, 3), 0.01))
+    turns = np.random.default_rng(0).normal(size=(300, count, 4))
+    turns /= np.linalg.norm(turns, axis=-1, keepdims=True)
+    path = folder / f"chain_{count}.bvh"
+    write_bvh(Motion(chain, 30.0, turns, chain.offsets[None]), path)
+    return _seconds(partial(load_motion, path))
+
+
+def _step(units: int) -> float:
+    """Seconds of a step of training with 16 clips."""
+    model = accelerate(SequentialAutoencoder(hidden=units, latent=LATENT))
+    return _seconds(SequenceCase.drawn(model, 16).function(model), 5)
+
+
+def _slope(costs: Costs) -> float:
+    sizes = sorted(costs)[-LARGE:]
+    return float(np.polyfit(np.log(sizes), np.log([costs[n][0] for n in sizes]), 1)[0])
+
+
+def _row(what: str, costs: Costs) -> list[object]:
+    first, last = min(costs), max(costs)
+    return [what, first, last, costs[first][0], costs[last][0], _slope(costs), costs[last][1]]
+
+
+def _figure(what: str, costs: Costs):
+    sizes = sorted(costs)
+    seconds = [costs[n][0] for n in sizes]
+    linear = [seconds[-1] * n / sizes[-1] for n in sizes]
+    curves = [Curve(sizes, seconds, f"measured, slope {_slope(costs):.2f}", style="o-")]
+    curves.append(Curve(sizes, linear, "linear", style="--"))
+    figure = curves_figure(curves, what, "processor seconds")
+    figure.axes[0].set(xscale="log", yscale="log")
+    return figure
