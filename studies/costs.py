@@ -30,7 +30,7 @@ from numpy_cae.motion import Motion, Skeleton
 from numpy_cae.viz import Curve, curves_figure
 from studies.shared.result import Picture, Result, Table
 from studies.timing.torch_convolutional import FRAMES
-from studies.timing.torch_sequential import LATENT, SequenceCase
+from studies.timing.torch_sequential import LATENT, step
 
 SECONDS = (1, 10, 60, 600, 3600)
 """Lengths of the files that are repaired (s)."""
@@ -133,7 +133,7 @@ def _growth(folder: Path) -> Iterator[tuple[str, Costs]]:
         {n: (_seconds(partial(network.project, x)), None) for n, x in windows.items()},
     )
     yield "joints of a file that is read", {n: (_joints(folder, n), None) for n in JOINTS}
-    yield "hidden units in a step of sequences", {n: (_step(n), None) for n in HIDDEN}
+    yield "hidden units in a step of sequences", {n: (_of_step(n), None) for n in HIDDEN}
 
 
 def _copies(folder: Path, count: int) -> list[object]:
@@ -153,14 +153,14 @@ def _joints(folder: Path, count: int) -> float:
     turns = np.random.default_rng(0).normal(size=(300, count, 4))
     turns /= np.linalg.norm(turns, axis=-1, keepdims=True)
     path = folder / f"chain_{count}.bvh"
-    write_bvh(Motion(chain, 30.0, turns, chain.offsets[None]), path)
+    write_bvh(Motion(chain, 30.0, turns, np.tile(chain.offsets, (300, 1, 1))), path)
     return _seconds(partial(load_motion, path))
 
 
-def _step(units: int) -> float:
+def _of_step(units: int) -> float:
     """Seconds of a step of training with 16 clips."""
     model = accelerate(SequentialAutoencoder(hidden=units, latent=LATENT))
-    return _seconds(SequenceCase.drawn(model, 16).function(model), 5)
+    return _seconds(step(model, 16)[0], 5)
 
 
 def _slope(costs: Costs) -> float:

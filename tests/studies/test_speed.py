@@ -54,11 +54,17 @@ def test_pytorch_computes_the_same():
 
 
 @needs_torch
-def test_different_computations_are_not_timed(monkeypatch):
+def test_equal_computations_are_timed_and_different_ones_are_not(monkeypatch):
     encode = TorchModel.encode
     monkeypatch.setattr(TorchModel, "encode", lambda *arguments: 0.999 * encode(*arguments))
     with pytest.raises(ArithmeticError, match="differs in 'layer 1, random'"):
         next(speed.rows([1], 1))
+    monkeypatch.setattr(alternately, "MIN_SECONDS", 1e-4)
+    monkeypatch.setattr(speed, "HIDDEN", (4,))
+    assert len(next(speed.sequence_rows([2], 1))) == 7
+    monkeypatch.setattr(torch, "sort", lambda z, dim: (z, None))
+    with pytest.raises(ArithmeticError, match="differs in 'sequential'"):
+        next(speed.sequence_rows([2], 1))
 
 
 @pytest.mark.parametrize("load", [0.1, 3.0])
@@ -68,10 +74,12 @@ def test_the_table_has_a_row_for_each_case(monkeypatch, load):
     monkeypatch.setattr(speed, "matrix_product_peak", lambda: 1e11)
     monkeypatch.setattr(speed, "torch", None)
     monkeypatch.setattr(speed.os, "getloadavg", lambda: (load, 0.0, 0.0), raising=False)
-    result = speed.run((1, 2), rounds=1)
+    monkeypatch.setattr(speed, "HIDDEN", (4, 6))
+    result = speed.run((1, 2), rounds=1, clips=(2,))
     assert result.provenance["matrix-product peak"] == "100 GFLOP/s"
     assert ("Other programs use the processor" in result.note) == (load > 1)
-    (table,) = result.tables
+    table, sequences = result.tables
+    assert [row[:2] for row in sequences.rows] == [["4 hidden units", 2], ["6 hidden units", 2]]
     assert len(table.header) == 4 and {len(row) for row in table.rows} == {4}
     assert all([row[0] for row in table.rows].count(name) == 2 for name in NAMES)
 
@@ -86,8 +94,8 @@ def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, lab
     tiny = replace(recipe("fast"), fine_tuning=stage)
     monkeypatch.setattr(time_to_quality, "recipe", lambda name: tiny)
     monkeypatch.setattr(time_to_quality, "USUAL", replace(stage, norm=None))
-    (table,) = speed.run((), 1, training=True, material=labelled).tables
+    table = time_to_quality.time_to_quality(labelled)
     assert [row[0] for row in table.rows][1:] == [
         f"PyTorch, {s} settings" for s in ("usual", "our")
     ]
-    assert all(0 < row[4] < 10 for row in table.rows)
+    assert 0 < table.rows[0][4] < 10 and np.isfinite([row[4] for row in table.rows]).all()
