@@ -27,7 +27,8 @@ from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 
 KINDS = (
-    *("T-pose", "root elsewhere", "turned", "displaced", "spike", "length", "repeated", "frozen"),
+    *("T-pose", "root elsewhere", "turned", "limb turned", "displaced", "spike", "length"),
+    *("repeated", "frozen"),
     *("not finite", "jumps", "jitter", "foot", "unlikely", "marked"),
 )
 """Kinds of findings:
@@ -35,6 +36,7 @@ KINDS = (
 - T-pose: a pose of reference at the start, which a jump ends
 - root elsewhere: the body is at another place for some frames, or from a frame on
 - turned: a rotation is turned, by the same turn, for some frames or from a frame on
+- limb turned: a hip or shoulder is turned, by a turn that begins and ends within a few frames
 - displaced: a rotation is another between a jump and the jump back
 - spike: a rotation jumps away and back within a few frames
 - length: a bone has another length than in the rest of the file
@@ -56,6 +58,7 @@ JOINTS_OF_KIND = {
     **dict.fromkeys(("T-pose", "jitter", "repeated"), (BODY,)),
     **dict.fromkeys(("jumps", "unlikely", "marked"), (BODY, *JOINTS)),
     "foot": (BODY, "left_toe", "right_toe"),
+    "limb turned": ("left_hip", "right_hip", "left_shoulder", "right_shoulder"),
 }
 """JOINTS_OF_KIND: findings of these kinds are about one of these; others may be about any joint of
 the rig."""

@@ -15,6 +15,7 @@ works at thirty frames a second, (F, …); masks and findings are in the frames 
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,7 @@ from numpy_cae.repair.jumps import (
     mend_jumps,
     smooth_motion,
 )
+from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
 from numpy_cae.repair.spikes import find_spikes
@@ -73,25 +75,28 @@ class Step(NamedTuple):
     """How damage of some kinds is found and mended.
 
     `option` is the setting of a preset with which the step is taken, "" if it is always taken. What
-    leaves more than the share `jumps_left` of the jumps near the damage is undone.
+    leaves more than the share `jumps_left` of the jumps near the damage is undone. A step that
+    `asks` is taken if there is a manifold, which its functions get too.
     """
 
     kinds: tuple[str, ...]
-    find: Callable[[Motion, float], list[Finding]]
-    mend: Callable[[Motion, list[Finding]], Motion]
+    find: Callable[..., list[Finding]]
+    mend: Callable[..., Motion]
     option: str = ""
     jumps_left: float = 1.1
+    asks: bool = False
 
 
 STEPS = (
     Step(("repeated", "frozen"), find_still, interpolate_channels),
     Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced),
     Step(("spike",), find_spikes, interpolate_channels),
+    Step(("limb turned",), find_limb_turns, mend_limb_turns, asks=True),
     Step(("jitter",), find_jitter, smooth_motion, "smooth"),
     Step(("jumps",), find_jumps, mend_jumps, jumps_left=0.6),
     Step(("foot",), find_feet, mend_feet, "feet"),
 )
-"""STEPS: what is mended without a model, in this order."""
+"""STEPS: what is mended, in this order, before holes are filled in."""
 
 
 def repair(
@@ -152,7 +157,7 @@ def repair(
     first = max((finding.stretch.stop for finding in t_pose), default=0)
     moving = finite.at(slice(first, None)) if first else finite
     rest = None if given is None else shifted([f for f in given if f not in t_pose], -first)
-    mended, found = mend(moving, preset, rest)
+    mended, found = mend(moving, preset, rest, manifold)
     found += shifted(broken, -first)
     residual = 0.0
     if manifold is not None:
@@ -166,7 +171,10 @@ def repair(
 
 
 def mend(
-    motion: Motion, preset: Preset | None = None, given: Sequence[Finding] | None = None
+    motion: Motion,
+    preset: Preset | None = None,
+    given: Sequence[Finding] | None = None,
+    manifold: MotionManifold | None = None,
 ) -> tuple[Motion, list[Finding]]:
     """The motion without the damage that the file itself shows, and what was found.
 
@@ -177,6 +185,8 @@ def mend(
         Findings have a confidence of at least 1 - `preset.sensitivity`.
     given : sequence of Finding, optional
         Only these are mended, and nothing is looked for but what an option of the preset asks for.
+    manifold : MotionManifold, optional
+        For the steps that ask it.
 
     Returns
     -------
@@ -193,6 +203,13 @@ def mend(
     preset = preset or Preset()
     found: list[Finding] = []
     for step in STEPS:
+        if step.asks:
+            if manifold is None:
+                continue
+            step = step._replace(
+                find=partial(step.find, manifold=manifold),
+                mend=partial(step.mend, manifold=manifold),
+            )
         if step.option and getattr(preset, step.option):
             motion, damage = _mended(motion, step.find(motion, preset.sensitivity), step)
         elif given is not None:

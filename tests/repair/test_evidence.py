@@ -107,6 +107,20 @@ def test_a_leg_turns_two_frames_after_a_step_of_its_own():
     assert (finding.kind, finding.frames) == ("turned", (50, 94))
 
 
+@pytest.mark.parametrize("onset", [1, 2, 4])
+def test_a_leg_that_turns_over_a_few_frames_is_turned_back(manifold, onset):
+    motion = make_take("walk", 4, seconds=6.0, rate=30.0).motion
+    degrees = np.interp(np.arange(180), [80, 81 + onset, 119, 120 + onset], [0, 50, 50, 0])
+    damaged = turned(motion, {"rfemur": degrees}, "z")
+    repaired = repair(damaged, manifold)
+    (finding,) = repaired.findings
+    assert (finding.kind, finding.joint) == ("limb turned", "right_hip")
+    there = slice(81, 120 + onset)
+    assert error(repaired.motion, motion, there, ALL) < 0.3 * error(damaged, motion, there, ALL)
+    again = repair(damaged, manifold, findings=repaired.findings).motion
+    np.testing.assert_array_equal(again.rotations, repaired.motion.rotations)
+
+
 def test_a_clean_motion_is_left_as_it_is(manifold, walk):
     for preset in (Preset(), Preset(feet=True)):
         repaired = repair(walk, manifold, preset=preset)

@@ -1,0 +1,317 @@
+"""Limbs that are turned for a while, by a turn that begins and ends within a few frames.
+
+A hip or a shoulder whose rotation R is turned by a constant turn Q = exp(w), in its own frame or in
+its parent's, has
+
+    R'_t = R_t exp(s_t w)    or    R'_t = exp(s_t w) R_t
+
+where s rises from 0 to 1 within a few frames, and later falls back. A kick or a gesture changes a
+rotation as fast. Therefore each of these is asked, and each has a threshold:
+
+- undone, the turn leaves smaller accelerations while s rises and falls (`ROUGH_SHARE`)
+- the other joints move little meanwhile (`OTHERS_SHARE`), the elbow or knee too (`BEND_SHARE`)
+- of the difference from what the manifold fills in for the limb, R̂⁻¹ R' or R' R̂⁻¹ as a rotation
+  vector, s w explains nearly all (`UNEXPLAINED_SHARE`): a kick is not a constant difference
+- the elbow or knee is about as bent as the manifold has it (`CHILD_SHARE`)
+
+All is computed at about thirty frames a second.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from numpy_cae.manifold.fill import corrected
+from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion.hole_curves import rotations_over_holes
+from numpy_cae.motion.joints import JOINTS, LIMBS, joint_mask
+from numpy_cae.motion.motion import RATE, Motion
+from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
+from numpy_cae.repair.finding import Finding, confidence
+from numpy_cae.repair.holes import Holes
+
+LAGS_SECONDS = np.array([1, 2, 3, 4, 5, 7, 9]) / RATE
+"""LAGS_SECONDS: a turn begins, and ends, within one of these times (s)."""
+SHORTEST_SECONDS = 0.25
+"""SHORTEST_SECONDS: a turn stays for at least this time (s)."""
+LONGEST_SECONDS = 3.4
+"""LONGEST_SECONDS: a turn ends at most this time (s) after it began."""
+LEAST_DEGREES = 20.0
+"""LEAST_DEGREES: a rotation changes by more than this (°) where a turn begins, and at its end."""
+UNUSUAL_RATIO = 1.5
+"""UNUSUAL_RATIO: this change is more than so many times the 80% quantile of the changes of the
+rotation within the same time."""
+CLOSING_SHARE = 0.6
+"""CLOSING_SHARE: the two changes undo each other but for this share of the smaller one."""
+SAME_SHARE = 0.6
+"""SAME_SHARE: two possible turns are alternatives if they share this part of their frames."""
+MOST_ALTERNATIVES = 60
+"""MOST_ALTERNATIVES: of alternatives, so many are compared, those of the largest changes first."""
+MOST_ASKED = 100
+"""MOST_ASKED: the manifold is asked about so many turns of a limb at most."""
+MOST_LEVEL = 1.3
+"""MOST_LEVEL: the manifold is asked only if the file's own evidence is within this factor of its
+thresholds."""
+AROUND_SECONDS = 2.5
+"""AROUND_SECONDS: the manifold fills in a limb from the motion up to this time (s) around."""
+ROUGH_SHARE = 0.95
+"""ROUGH_SHARE: without the turn, the root mean square acceleration of the rotation while the turn
+begins and ends is at most this share of that with it (geometric mean of both ends)."""
+OTHERS_SHARE = 0.4
+"""OTHERS_SHARE: meanwhile the other joints turn by at most this share of the turn, in the mean."""
+BEND_SHARE = 0.7
+"""BEND_SHARE: meanwhile the elbow or knee turns by at most this share of the turn."""
+UNEXPLAINED_SHARE = 0.25
+"""UNEXPLAINED_SHARE: of the squared difference from the filled limb, the turn leaves at most this
+share unexplained."""
+CHILD_SHARE = 0.6
+"""CHILD_SHARE: the elbow or knee differs from the filled one by at most this share of the turn."""
+ARM_CAUTION = 2.0
+"""ARM_CAUTION: for an arm each threshold is divided by this, since arms that gesture do what legs
+hardly do."""
+TURNED_JOINTS = {
+    f"{side}_{joint}": LIMBS[f"{side}_{limb}"]
+    for side in ("left", "right")
+    for joint, limb in (("hip", "leg"), ("shoulder", "arm"))
+}
+"""TURNED_JOINTS: the joints that may be turned, and the limbs that they move."""
+TRUNK = [JOINTS.index(name) for name in ("hips", "spine", "chest")]
+OTHERS = TRUNK + [JOINTS.index(name) + below for name in TURNED_JOINTS for below in (0, 1)]
+"""OTHERS: the joints of the twenty whose rotations are compared with that of a limb."""
+
+
+class Turn(NamedTuple):
+    """A turn by exp(`vector`) that begins after the frame `first`, is complete from `risen` to
+    `falls`, and has ended at the frame `end`."""
+
+    first: int
+    risen: int
+    falls: int
+    end: int
+    vector: np.ndarray
+    in_parent: bool
+    size: float
+
+    def share(self, frames: np.ndarray) -> np.ndarray:
+        """s in some frames, (F, 1)."""
+        rise = (frames - self.first) / (self.risen - self.first)
+        fall = (self.end - frames) / (self.end - self.falls)
+        return np.clip(np.minimum(rise, fall), 0.0, 1.0)[:, None]
+
+    def overlap(self, other: "Turn") -> float:
+        """The frames of both turns, as a share of the frames of either."""
+        common = min(self.end, other.end) - max(self.first, other.first)
+        return common / (max(self.end, other.end) - min(self.first, other.first))
+
+    def at_frames(self, step: int) -> "Turn":
+        """The turn in the frames of a motion of which every `step`-th frame was taken."""
+        return self._replace(
+            first=self.first * step,
+            risen=self.risen * step,
+            falls=self.falls * step,
+            end=self.end * step,
+        )
+
+    def undone(self, q: np.ndarray, frames: np.ndarray) -> np.ndarray:
+        """Rotations (F, 4) in some frames without the turn."""
+        back = from_vector(-self.share(frames) * self.vector)
+        return product(back, q) if self.in_parent else product(q, back)
+
+
+def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold) -> list[Finding]:
+    """Findings of the kind "limb turned".
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.manifold import starter
+    >>> motion = make_take("walk", 3, seconds=4.0, rate=30.0).motion
+    >>> share = np.interp(np.arange(120), [50, 53, 80, 83], [0, 1, 1, 0])[:, None]
+    >>> hip = motion.skeleton.index("rfemur")
+    >>> turn = from_vector(share * [0.9, 0.0, 0.0])
+    >>> motion.rotations[:, hip] = product(motion.rotations[:, hip], turn)
+    >>> find_limb_turns(motion, 0.5, starter())
+    [right_hip: frames 51 to 82: limb turned (...
+    """
+    sparse, step = _at_about_thirty(motion)
+    found = []
+    for name in TURNED_JOINTS:
+        taken: list[Turn] = []
+        for turns in _alternatives(sparse, name):
+            turn, level = _best(sparse, manifold, name, turns)
+            if level >= 2 * sensitivity or any(turn.overlap(other) > 0 for other in taken):
+                continue
+            taken.append(turn)
+            degrees = np.degrees(np.linalg.norm(turn.vector))
+            why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
+            frames = (turn.first * step + 1, turn.end * step - 1)
+            found.append(Finding(name, frames, "limb turned", why, 0.0, confidence(1 / level)))
+    return found
+
+
+def mend_limb_turns(
+    motion: Motion, findings: Sequence[Finding], manifold: MotionManifold
+) -> Motion:
+    """The motion without the turns of findings; where a turn begins and ends, the rotation is
+    interpolated. A finding whose frames are those of no turn is not mended."""
+    sparse, step = _at_about_thirty(motion)
+    rotations = motion.rotations.copy()
+    for finding in findings:
+        joint = rig_of(motion).joints[JOINTS.index(finding.joint)]
+        first = (finding.frames[0] - 1) // step
+        end = -(-(finding.frames[1] + 1) // step)
+        turns = [
+            turn
+            for turn in _turns(sparse.rotations[:, joint], sparse.rate)
+            if abs(turn.first - first) <= 1 and abs(turn.end - end) <= 1
+        ]
+        if not turns:
+            continue
+        turn, _ = _best(sparse, manifold, finding.joint, turns)
+        turn = turn.at_frames(step)
+        frames = np.arange(turn.first, min(turn.end + 1, len(motion)))
+        rotations[frames, joint] = turn.undone(rotations[frames, joint], frames)
+        missing = np.zeros((len(motion), 1), bool)
+        missing[turn.first + 1 : turn.risen] = True
+        missing[turn.falls + 1 : turn.end] = True
+        rotations[:, [joint]] = rotations_over_holes(rotations[:, [joint]], missing, motion.rate)
+    return replace(motion, rotations=rotations)
+
+
+def _at_about_thirty(motion: Motion) -> tuple[Motion, int]:
+    """Every n-th frame of a motion, about thirty a second, and n."""
+    step = max(1, round(motion.rate / RATE))
+    return replace(motion.at(slice(None, None, step)), rate=motion.rate / step), step
+
+
+def _best(
+    motion: Motion, manifold: MotionManifold, name: str, turns: list[Turn]
+) -> tuple[Turn, float]:
+    """Of some alternatives the one with the most evidence, and the largest of its shares, each
+    divided by its threshold: below 1 the evidence is strong enough."""
+    of_model = _levels_of_model(motion, manifold, name, turns)
+    of_file = [_level_in_file(motion, name, turn) for turn in turns]
+    levels = np.maximum(of_model, of_file)
+    best = int(np.argmin(levels))
+    caution = ARM_CAUTION if name.endswith("shoulder") else 1.0
+    return turns[best], caution * float(levels[best])
+
+
+def _alternatives(motion: Motion, name: str) -> Iterator[list[Turn]]:
+    """The possible turns of a joint, in groups of alternatives, those of the largest changes
+    first."""
+    q = motion.rotations[:, rig_of(motion).joints[JOINTS.index(name)]]
+    turns = sorted(_turns(q, motion.rate), key=lambda turn: -turn.size)
+    asked = 0
+    while turns and asked < MOST_ASKED:
+        best = turns[0]
+        group = [turn for turn in turns if turn.overlap(best) > SAME_SHARE][:MOST_ALTERNATIVES]
+        group = [turn for turn in group if _level_in_file(motion, name, turn) < MOST_LEVEL]
+        turns = [turn for turn in turns if turn.overlap(best) < SAME_SHARE / 2]
+        if group:
+            asked += 1
+            yield group
+
+
+def _turns(q: np.ndarray, rate: float) -> Iterator[Turn]:
+    """All pairs of fast changes of a rotation (F, 4) that undo each other."""
+    for in_parent in (False, True):
+        begins, lags, changes, ratios = _fast_changes(q, rate, in_parent)
+        sizes = np.linalg.norm(changes, axis=1)
+        for i, first in enumerate(begins.tolist()):
+            risen = first + int(lags[i])
+            near = (begins >= risen + SHORTEST_SECONDS * rate - 1) & (
+                begins <= first + LONGEST_SECONDS * rate
+            )
+            left = np.linalg.norm(changes[i] + changes[near], axis=1)
+            left /= np.minimum(sizes[i], sizes[near])
+            for j in np.flatnonzero(near)[left < CLOSING_SHARE].tolist():
+                vector = (changes[i] - changes[j]) / 2
+                closing = np.linalg.norm(changes[i] + changes[j]) / min(sizes[i], sizes[j])
+                size = min(ratios[i], ratios[j]) * (1 - closing)
+                falls = int(begins[j])
+                end = falls + int(lags[j])
+                yield Turn(first, risen, falls, end, vector, in_parent, float(size))
+
+
+def _fast_changes(
+    q: np.ndarray, rate: float, in_parent: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Where a rotation changes fast: the frames before, the lags in frames, the rotation vectors of
+    the changes, and their ratios to a usual change."""
+    found = []
+    for lag in np.unique(np.maximum(np.round(LAGS_SECONDS * rate), 1).astype(int)).tolist():
+        if len(q) <= lag + 2:
+            continue
+        change = _between(q[:-lag], q[lag:], in_parent)
+        size = np.linalg.norm(change, axis=1)
+        usual = max(np.quantile(size, 0.8), np.radians(3.0))
+        padded = np.pad(size, 1)
+        peak = (size >= padded[:-2]) & (size >= padded[2:])
+        peak &= size > max(np.radians(LEAST_DEGREES), UNUSUAL_RATIO * usual)
+        at = np.flatnonzero(peak)
+        found.append((at, np.full(len(at), lag), change[at], size[at] / usual))
+    if not found:
+        return np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)), np.zeros(0)
+    begins, lags, changes, ratios = (np.concatenate(each) for each in zip(*found, strict=True))
+    return begins, lags, changes, ratios
+
+
+def _between(q: np.ndarray, r: np.ndarray, in_parent: bool) -> np.ndarray:
+    """The rotation vectors (F, 3) from rotations q to r, in their own frames or their parent's."""
+    return to_vector(product(r, inverse(q)) if in_parent else product(inverse(q), r))
+
+
+def _level_in_file(motion: Motion, name: str, turn: Turn) -> float:
+    """The largest of the shares of the file's evidence, each divided by its threshold."""
+    joints, column = rig_of(motion).joints, JOINTS.index(name)
+    q = motion.rotations[:, joints[column]]
+    rough, others, bend = [], [], []
+    size = np.linalg.norm(turn.vector)
+    for first, end in ((turn.first, turn.risen), (turn.falls, turn.end)):
+        frames = np.arange(max(first - 2, 0), min(end + 3, len(q)))
+        after = _acceleration(turn.undone(q[frames], frames))
+        rough.append(after / max(_acceleration(q[frames]), 1e-9))
+        ends = motion.rotations[[first, min(end, len(q) - 1)]][:, joints]
+        turned = np.linalg.norm(_between(ends[0], ends[1], False), axis=1) / size
+        others.append(np.mean([turned[other] for other in OTHERS if other - column not in (0, 1)]))
+        bend.append(turned[column + 1])
+    shares = np.sqrt(np.prod(rough)), max(others), max(bend)
+    return float(np.max(np.divide(shares, (ROUGH_SHARE, OTHERS_SHARE, BEND_SHARE))))
+
+
+def _acceleration(q: np.ndarray) -> float:
+    """The root of the sum of the squared accelerations of rotations (F, 4), in radians a frame²."""
+    return float(np.linalg.norm(np.diff(_between(q[:-1], q[1:], False), axis=0)))
+
+
+def _levels_of_model(
+    motion: Motion, manifold: MotionManifold, name: str, turns: list[Turn]
+) -> list[float]:
+    """For each of some alternatives the larger of the shares that the manifold gives, each divided
+    by its threshold."""
+    first = max(min(turn.first for turn in turns) - 1, 0)
+    end = min(max(turn.end for turn in turns) + 2, len(motion))
+    margin = round(AROUND_SECONDS * motion.rate)
+    start = max(first - margin, 0)
+    near = motion.at(slice(start, end + margin))
+    hole = slice(first - start, end - start)
+    holes = Holes(Body(near, manifold.lengths), joint_mask(len(near), TURNED_JOINTS[name], hole))
+    strength = np.ones(holes.mask.shape)
+    filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
+    joint, child = (rig_of(motion).joints[JOINTS.index(name) + below] for below in (0, 1))
+    pairs = [(m.rotations[hole, joint], m.rotations[hole, child]) for m in (filled, near)]
+    of_child = np.linalg.norm(_between(pairs[0][1], pairs[1][1], False), axis=1)
+    difference = [_between(pairs[0][0], pairs[1][0], in_parent) for in_parent in (False, True)]
+    levels = []
+    for turn in turns:
+        share = turn.share(np.arange(first, end))
+        x = difference[turn.in_parent]
+        unexplained = np.sum((x - share * turn.vector) ** 2) / max(np.sum(x**2), 1e-9)
+        bent = np.sqrt(np.mean(of_child[share[:, 0] == 1] ** 2)) / np.linalg.norm(turn.vector)
+        levels.append(float(max(unexplained / UNEXPLAINED_SHARE, bent / CHILD_SHARE)))
+    return levels
