@@ -4,17 +4,16 @@
 converts between a rig and the twenty joints. `load_motion` puts a file into metres with Y up.
 """
 
+from numpy_cae.mocap.bodies import load_windows
 from numpy_cae.mocap.coordinates import Coordinates
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.formats.write import write_bvh
-from numpy_cae.mocap.load import find_motion_files, load_angles, load_body, load_motion
+from numpy_cae.mocap.load import find_motion_files, load_angles, load_body, load_motion, save
 from numpy_cae.mocap.retarget.body import body_of, body_positions
 from numpy_cae.mocap.retarget.to_angles import angles_of
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import find_joints, rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError, read_mapping
-from numpy_cae.mocap.save import save
-from numpy_cae.mocap.windows import load_windows
 
 __all__ = [name for name in dir() if not name.startswith("_")]

@@ -1,28 +1,134 @@
-"""Read any supported motion file, chosen by its suffix."""
+"""Read any supported motion file, chosen by its suffix.
 
+Write a motion to a file: as BVH, or with the text of the file that it came from.
+"""
+
+import filecmp
 import logging
 import os
-from collections.abc import Iterator, Sequence
+import shutil
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.errors import NumpyCaeError
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.mocap.coordinates import Coordinates, in_y_up, with_unit_of_limbs
-from numpy_cae.mocap.formats.amc import read_amc
+from numpy_cae.mocap.formats.amc import find_skeleton, read_amc
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.expmap import is_expmap_text, read_expmap
 from numpy_cae.mocap.formats.text_file import MotionFileError
+from numpy_cae.mocap.formats.write import require_bvh, write_bvh
+from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.retarget.body import body_of
 from numpy_cae.mocap.retarget.to_angles import angles_of
 from numpy_cae.mocap.rigs.recognise import recognised
-from numpy_cae.mocap.rigs.rigs import Mappings, UnknownRigError
-from numpy_cae.mocap.save import FileMotion
+from numpy_cae.mocap.rigs.rigs import Mappings, RiggedMotion, UnknownRigError
 from numpy_cae.motion.angles import AngleSequence
 from numpy_cae.motion.motion import Motion
+
+KEPT = (".bvh", ".amc")
+"""KEPT: formats in which `FileMotion.save` keeps the text of what did not change."""
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class FileMotion(RiggedMotion):
+    """A motion that was read from a file, and everything made of it by `dataclasses.replace`.
+
+    Parameters
+    ----------
+    source : path
+        The file.
+    reload : callable
+        Reads the whole file again, as this motion was read.
+    """
+
+    source: Path
+    reload: Callable[[], Motion]
+
+    def save(self, path: str | Path, before: Motion | None = None) -> None:
+        """Write the motion to a file.
+
+        In the format of its own file (.bvh, .amc) the text of everything that did not change is
+        kept, byte for byte, also where frames at the start were cut off, and a missing .asf
+        skeleton is copied beside an .amc file. A motion of another format, at another rate, or with
+        more frames is written as BVH.
+
+        Parameters
+        ----------
+        path : path
+            The file to write: .bvh, or .amc if the source is one. It may be the source.
+        before : Motion, optional
+            The motion as it was read; the file is read again where None.
+
+        Raises
+        ------
+        ValueError, FileError
+            If the suffix is another, or values are not finite; if the file cannot be written, or
+            an .amc file would be read with another skeleton there.
+        """
+        path = Path(path)
+        same_format = self.source.suffix.lower() == path.suffix.lower() in KEPT
+        if same_format and before is None:
+            before = self.reload()
+        if not same_format or before is None or before.rate != self.rate or len(before) < len(self):
+            require_bvh(path)
+            write_bvh(self, path)
+            return
+        if path.suffix.lower() == ".amc":
+            _copy_skeleton(find_skeleton(self.source), path)
+        write_like(self.source, before, self, path)
+
+
+def save(motion: Motion, path: str | Path) -> None:
+    """Write any motion to a file, one that was made in memory too.
+
+    Parameters
+    ----------
+    motion : Motion
+        One that was loaded, or made of a loaded one, is written by `FileMotion.save`, which keeps
+        the text of everything that did not change. Any other is written by `write_bvh`.
+    path : path
+        The file to write: .bvh, or .amc if the motion was loaded from one.
+
+    Raises
+    ------
+    ValueError, FileError
+        If the suffix is another, or values are not finite; if the file cannot be written.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.mocap import load_motion
+    >>> save(make_take("walk", 0, seconds=1.0, rate=30.0).motion, "walk.bvh")
+    >>> save(load_motion("walk.bvh").resampled(15), "slower.bvh")
+    >>> len(load_motion("slower.bvh"))
+    15
+    """
+    if isinstance(motion, FileMotion):
+        motion.save(path)
+    else:
+        require_bvh(path)
+        write_bvh(motion, path)
+
+
+def _copy_skeleton(skeleton: Path, path: Path) -> None:
+    """Copy the skeleton of an .amc file beside `path`, where it is not there; FileError unless the
+    motion at `path` is then read with it."""
+    copy = path.with_name(skeleton.name)
+    if not copy.exists():
+        with atomic_write(copy) as temporary:
+            shutil.copyfile(skeleton, temporary)
+    beside = find_skeleton(path)
+    if not filecmp.cmp(beside, skeleton, shallow=False):
+        problem = f"would be read with another skeleton, {beside}, not with {skeleton}"
+        raise FileError(path, None, f"{problem}; write it into another folder")
+
 
 log = logging.getLogger(__name__)
 

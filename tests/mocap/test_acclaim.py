@@ -10,8 +10,8 @@ from plain_bvh import about
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import MotionFileError, load_motion
+from numpy_cae.mocap.coordinates import CMU_UNIT
 from numpy_cae.mocap.formats.amc import read_amc
-from numpy_cae.mocap.units import CMU_UNIT
 
 
 @pytest.fixture

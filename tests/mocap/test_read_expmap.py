@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import load_motion
-from numpy_cae.mocap.formats.expmap import cmu_root, read_expmap
-from numpy_cae.mocap.formats.expmap_rigs import CMU, HUMAN36M
+from numpy_cae.mocap.formats.expmap import CMU, HUMAN36M, cmu_root, read_expmap
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -10,11 +10,9 @@ from acclaim_files import FILES
 from data_synth import make_take
 from numpy_cae.mocap import load_motion, retarget, write_bvh
 from numpy_cae.mocap.retarget.body import body_positions
-from numpy_cae.mocap.rigs.checks import doubt
 from numpy_cae.mocap.rigs.completed import completed
-from numpy_cae.mocap.rigs.recognise import find_joints, joint_index, recognised, rig_of
-from numpy_cae.mocap.rigs.rig_names import RIGS
-from numpy_cae.mocap.rigs.rigs import UnknownRigError, read_mapping, rig_by_names, with_rig
+from numpy_cae.mocap.rigs.recognise import doubt, find_joints, joint_index, recognised, rig_of
+from numpy_cae.mocap.rigs.rigs import RIGS, UnknownRigError, read_mapping, rig_by_names, with_rig
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton
 from numpy_cae.motion.fit import body_skeleton
 from numpy_cae.motion.lengths import bone_lengths

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import JANG2018_KINDS, make_take
 from numpy_cae.mocap import angles_of, body_positions, load_angles, load_motion
-from numpy_cae.mocap.formats.expmap import read_expmap
-from numpy_cae.mocap.formats.expmap_rigs import HUMAN36M
+from numpy_cae.mocap.formats.expmap import HUMAN36M, read_expmap
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion import cut_clips, draw_clips, motion_of

@@ -12,9 +12,8 @@ from numpy_cae.cli.shared.output import require_one_target_each, with_progress, 
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError
 from numpy_cae.mocap.formats.write import require_bvh
-from numpy_cae.mocap.load import find_motion_files, load_motion
+from numpy_cae.mocap.load import KEPT, FileMotion, find_motion_files, load_motion
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.mocap.save import KEPT, FileMotion
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.repair.repaired import count

@@ -10,9 +10,9 @@ import numpy as np
 from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.mocap import Coordinates, MotionFileError, UnknownRigError, find_motion_files
 from numpy_cae.mocap.bodies import ReadResult, read_bodies
+from numpy_cae.mocap.coordinates import unit_name
 from numpy_cae.mocap.load import is_test
 from numpy_cae.mocap.rigs.rigs import Mappings
-from numpy_cae.mocap.units import unit_name
 
 Take = TypeVar("Take")
 

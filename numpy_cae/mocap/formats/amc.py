@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.mocap.coordinates import stated_unit, stature
 from numpy_cae.mocap.formats.asf import ANGLE_UNITS, AcclaimSkeleton, read_asf, statements
 from numpy_cae.mocap.formats.channels import Channels, read_pose
 from numpy_cae.mocap.formats.text_file import (
@@ -21,7 +22,6 @@ from numpy_cae.mocap.formats.text_file import (
     quoted,
     whole_number,
 )
-from numpy_cae.mocap.units import stated_unit, stature
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
 
 log = logging.getLogger(__name__)

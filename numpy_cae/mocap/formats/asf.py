@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.mocap.coordinates import INCH, require_unit
 from numpy_cae.mocap.formats.channels import Channels
 from numpy_cae.mocap.formats.text_file import TextFile, quoted
-from numpy_cae.mocap.units import INCH, require_unit
 from numpy_cae.motion.motion import Skeleton, depth_first
 
 _COMMENT = re.compile(r"(?<!\.)#.*")

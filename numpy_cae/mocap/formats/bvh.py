@@ -3,21 +3,85 @@
 The format is described by Meredith and Maddock, Motion Capture File Formats Explained (2001).
 Where it is ambiguous, the common interpretation is used: rotations are about the joint's own axes
 in the order of its channels, and a position channel of any joint replaces the joint's offset.
+
+The first half is the HIERARCHY: joints in a tree, each with its own channels. In it, lines that
+begin with none of the format's words, such as comments, are skipped and counted.
+
+HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Chest
+  { ...
+    End Site
+    {
+      OFFSET 0 10 0
+    }
+  }
+}
 """
 
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.mocap.formats.bvh_hierarchy import BvhJoint, read_hierarchy
+from numpy_cae.mocap.coordinates import guess_unit, require_unit, stated_unit, stature
 from numpy_cae.mocap.formats.channels import Channels, read_pose
-from numpy_cae.mocap.formats.text_file import HEADER_SIZE, TextFile, quoted, whole_number
-from numpy_cae.mocap.units import guess_unit, require_unit, stated_unit, stature
+from numpy_cae.mocap.formats.text_file import (
+    HEADER_SIZE,
+    MAX_JOINTS,
+    TextFile,
+    quoted,
+    whole_number,
+)
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
 SLOWEST, FASTEST = 8.0, 2000.0
 """SLOWEST, FASTEST: no recorder of motion has a rate below or above these (frames a second)."""
+CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
+CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
+"""CHANNELS: usual spelling of each channel -> its name in `Channels`. Files differ in case."""
+_LOWER_CASE = {name.lower(): short for name, short in CHANNELS.items()}
+_KEYWORDS = {"HIERARCHY", "ROOT", "JOINT", "OFFSET", "CHANNELS", "End Site", "MOTION", "{", "}"}
+_BRACKETS = str.maketrans("[]()", "    ")
+_COMMA = str.maketrans(",", " ")
+"""_BRACKETS, _COMMA: what scripts write around and between the numbers of a vector."""
+_SKIPPABLE = re.compile(r"[^-+.\d{}][^{}]*")
+"""_SKIPPABLE: a line that may be skipped has no brace and is no row of numbers."""
+
+
+@dataclass
+class BvhJoint:
+    """A ROOT or JOINT block that begins on `line`, or an End Site; vectors are in the file's unit.
+
+    `index` is that of the joint, or of the joint that an End Site ends; the block is open below
+    its {. `channels` are names such as "tX" or "rZ", in the order of the file. `tip` is the offset
+    of the joint's End Site, of the first if a hand has one for each finger.
+    """
+
+    name: str
+    index: int
+    parent: int
+    line: int
+    is_end_site: bool = False
+    is_open: bool = False
+    offset: list[float] | None = None
+    channels: list[str] | None = None
+    tip: list[float] | None = None
+
+    @property
+    def may_follow(self) -> list[str]:
+        """The statements that may follow inside the block; "}" may follow only after OFFSET."""
+        if not self.is_open:
+            return ["{"]
+        keywords = ["OFFSET" if self.offset is None else "}"]
+        if not self.is_end_site:
+            keywords += ["CHANNELS"] * (self.channels is None) + ["JOINT", "End Site"]
+        return keywords
 
 
 def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:
@@ -109,7 +173,7 @@ def _read_motion(
 ) -> tuple[float, np.ndarray, list[Note]]:
     """The frames a second and the table (frames, channels) in the text below MOTION, and a note if
     the number of frames that the file states is not that of the lines."""
-    channels = sum(len(joint.channels or []) for joint in joints)
+    channels = sum(len(joint.channels or ()) for joint in joints)
     count_line, count = _header(file, motion_line, r"frames\s*:?\s*(.*)", "Frames: and a number")
     pattern = r"frame\s*time\s*:?\s*(.*)"
     time_line, time = _header(file, count_line, pattern, "Frame Time: and seconds")
@@ -165,3 +229,115 @@ def _rate(file: TextFile, line: int, time: str) -> float:
     # `whole_step`, which omits frames, takes it for 30 Hz.
     rounded = max(1, round(rate))
     return float(rounded) if abs(rate / rounded - 1) < 1e-4 else rate
+
+
+def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, list[Note]]:
+    """The joints, parents before children, the number of the line MOTION, and a note if lines were
+    skipped.
+
+    Raises MotionFileError if the block is not valid BVH.
+    """
+    tree = _Tree(file)
+    skipped: list[int] = []
+    for line, keyword, value in _statements(file, skipped):
+        tree.require_expected(line, keyword, value)
+        if keyword == "MOTION":
+            lines = f"{len(skipped)} unknown line{'s' * (len(skipped) > 1)} of the hierarchy"
+            text = f"skipped {lines}, first line {skipped[0]}" if skipped else ""
+            return tree.joints, line, [Note("skipped lines", text)] if skipped else []
+        tree.add(line, keyword, value)
+    raise file.error(file.count, f"the file ends{tree.place} without MOTION: is it cut off?")
+
+
+class _Tree:
+    """The joints that have been read, their names without prefix, and the blocks that have not
+    ended, the root's first."""
+
+    def __init__(self, file: TextFile):
+        self.file = file
+        self.joints: list[BvhJoint] = []
+        self.names: set[str] = set()
+        self.blocks: list[BvhJoint] = []
+
+    @property
+    def place(self) -> str:
+        """The block that has not ended, for an error."""
+        return f" in {self.blocks[-1].name!r} (line {self.blocks[-1].line})" if self.blocks else ""
+
+    def require_expected(self, line: int, keyword: str, value: str) -> None:
+        """Raise MotionFileError unless a statement with this keyword may follow here."""
+        expected = ["MOTION"] if self.joints else ["ROOT"]
+        if self.blocks:
+            expected = self.blocks[-1].may_follow
+        elif keyword == "ROOT" and self.joints:
+            problem = f"a second ROOT, {quoted(value)}: a file may hold one skeleton; delete this"
+            raise self.file.error(line, f"{problem} one and its columns of values")
+        if keyword not in expected:
+            found = quoted(f"{keyword} {value}".strip())
+            problem = f"expected {' or '.join(expected)}{self.place}, found {found}"
+            raise self.file.error(line, problem)
+
+    def add(self, line: int, keyword: str, value: str) -> None:
+        """Add what a statement says to the joints."""
+        if keyword in ("ROOT", "JOINT"):
+            self._add_joint(line, keyword, value)
+            return
+        block = self.blocks[-1]
+        if keyword == "{":
+            block.is_open = True
+        elif keyword == "OFFSET":
+            words = [word.strip(",") for word in value.translate(_BRACKETS).split()]
+            words = words if len(words) == 3 else value.translate(_BRACKETS | _COMMA).split()
+            block.offset = self.file.numbers(line, words, 3, "OFFSET")
+        elif keyword == "CHANNELS":
+            block.channels = _channel_names(self.file, line, value)
+        elif keyword == "End Site":
+            name = f"End Site of {block.name}"
+            self.blocks.append(BvhJoint(name, block.index, block.index, line, is_end_site=True))
+        else:
+            self.blocks.pop()
+            if block.is_end_site:
+                joint = self.joints[block.index]
+                joint.tip = joint.tip or block.offset
+
+    def _add_joint(self, line: int, keyword: str, name: str) -> None:
+        plain = name.rsplit(":", 1)[-1]
+        if not name or plain in self.names:
+            problem = "expected a name that is unique without its prefix up to a colon"
+            raise self.file.error(line, f"{keyword} {name!r}: {problem}")
+        if len(self.joints) == MAX_JOINTS:
+            raise self.file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
+        parent = self.blocks[-1].index if self.blocks else -1
+        self.blocks.append(BvhJoint(name, len(self.joints), parent, line))
+        self.joints.append(self.blocks[-1])
+        self.names.add(plain)
+
+
+def _statements(file: TextFile, skipped: list[int]) -> Iterator[tuple[int, str, str]]:
+    """(line number, keyword, value) of each statement; a brace is one anywhere in a line.
+
+    The numbers of the lines that hold no statement are added to `skipped`.
+    """
+    started = False
+    for line, text in file.numbered():
+        for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
+            keyword, value = [*statement.split(maxsplit=1), ""][:2]
+            if not started and statement.upper() != "HIERARCHY":
+                problem = "expected HIERARCHY, as every BVH file begins, found"
+                raise file.error(line, f"{problem} {quoted(statement)}")
+            if re.match(r"END\s*SITE\b", statement, re.IGNORECASE):
+                yield line, "End Site", ""
+            elif keyword.upper() not in _KEYWORDS and _SKIPPABLE.fullmatch(text.strip()):
+                skipped.append(line)
+            elif started:
+                yield line, keyword.upper(), value
+            started = True
+
+
+def _channel_names(file: TextFile, line: int, value: str) -> list[str]:
+    count, *names = value.split() or [""]
+    channels = [_LOWER_CASE.get(name.lower(), "") for name in names]
+    if "" in channels or len(set(channels)) < len(names) or whole_number(count) != len(names):
+        expected = f"the number of channels and different names of {', '.join(CHANNELS)}"
+        raise file.error(line, f"CHANNELS {quoted(value)}: expected {expected}")
+    return channels

@@ -7,17 +7,70 @@ authors of this text multiply row vectors with matrices, so their matrices are o
 
 The first frame of CMU's text confirms it: the T-pose rotates the left thigh by -21° about z in
 BVH, and the text has +0.3665.
+
+The literature on motion prediction has two layouts. A line is a frame: three numbers for the root's translation, then three for each joint of the rig
+and for each tip of a bone, in the order of `expmap.json`. The layouts are those of Jain et al.
+(2016) and MBR17 (Martinez, Black, Romero, 2017); the bone lengths of Human3.6M are those that MBR17
+draws with. The CMU text has no bone lengths: these are subject 02's.
 """
 
+import json
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.mocap.formats.expmap_rigs import CMU, EXPMAP_RIGS, ExpmapRig
+from numpy_cae.mocap.coordinates import CMU_UNIT, require_unit, unit_name
 from numpy_cae.mocap.formats.text_file import MAX_LINE, TextFile
-from numpy_cae.mocap.units import require_unit, unit_name
 from numpy_cae.motion import quaternions
-from numpy_cae.motion.motion import Motion, Note
+from numpy_cae.motion.motion import Motion, Note, Skeleton
+
+
+@dataclass(frozen=True)
+class ExpmapRig:
+    """One layout: its name, the metres in one unit of its lengths, and the frames a second of text
+    in this layout."""
+
+    name: str
+    unit: float
+    rate: float
+
+    @cached_property
+    def rows(self) -> list[list]:
+        """(joint, its parent, offset from the parent, optional tip) in the order of the text. The
+        tip is an offset from the joint; if a row has one, the text holds three zeros for it after
+        the joint's own numbers."""
+        file = Path(__file__).with_suffix(".json")
+        return json.loads(file.read_text(encoding="utf-8"))[self.name]
+
+    @property
+    def width(self) -> int:
+        """Numbers in a line."""
+        return 3 + 3 * sum(len(row) - 2 for row in self.rows)
+
+    @cached_property
+    def joints(self) -> np.ndarray:
+        """Indices of the joints among all triples of angles, in the order of `skeleton`."""
+        widths = [len(row) - 2 for row in self.rows]
+        return np.cumsum([0, *widths[:-1]])
+
+    @cached_property
+    def skeleton(self) -> Skeleton:
+        """The rig in metres."""
+        names = tuple(row[0] for row in self.rows)
+        return Skeleton(
+            names,
+            tuple(-1 if row[1] is None else names.index(row[1]) for row in self.rows),
+            np.array([row[2] for row in self.rows]) * self.unit,
+            {j: np.array(row[3]) * self.unit for j, row in enumerate(self.rows) if len(row) > 3},
+        )
+
+
+CMU = ExpmapRig("CMU", CMU_UNIT, rate=120.0)
+HUMAN36M = ExpmapRig("Human3.6M", 0.001, rate=50.0)
+EXPMAP_RIGS = (CMU, HUMAN36M)
+
 
 _MIN_COMMAS = 40
 """_MIN_COMMAS: a line with more commas is taken for a row of numbers, not for a sentence."""

@@ -14,9 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.mocap.coordinates import as_in_file
+from numpy_cae.mocap.coordinates import as_in_file, require_unit
 from numpy_cae.mocap.formats.text_file import MAX_JOINTS, MAX_VALUE
-from numpy_cae.mocap.units import require_unit
 from numpy_cae.motion.motion import (
     MAX_RATE,
     MIN_RATE,

@@ -9,7 +9,7 @@ its orientation:
 
 import numpy as np
 
-from numpy_cae.mocap.formats.expmap_rigs import HUMAN36M
+from numpy_cae.mocap.formats.expmap import HUMAN36M
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion import quaternions
