@@ -1,13 +1,8 @@
-"""Read many motion files in parallel, as the takes that a network learns from.
-
-Windows from a folder of motion files, for lessons and short experiments.
-"""
+"""Read many motion files in parallel, as the takes that a network learns from, or as windows."""
 
 import os
 import signal
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatch
@@ -64,6 +59,8 @@ def read_bodies(
     if processes == 1:
         yield from map(read, paths)
         return
+    from concurrent.futures.process import BrokenProcessPool, ProcessPoolExecutor  # slow to import
+
     ends_at_sigterm = partial(signal.signal, signal.SIGTERM, signal.SIG_DFL)
     pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=ends_at_sigterm)
     try:
@@ -165,7 +162,8 @@ def load_windows(
         raise MotionFileError(folder, None, f"no motion file matches {pattern!r}")
     # Steps of a prime number visit the whole list, so that a part of it samples every kind.
     order = [paths[i * 61 % len(paths)] for i in range(len(paths))] if len(paths) % 61 else paths
-    takes, seconds = [], 0.0
+    takes: list[np.ndarray] = []
+    seconds = 0.0
     for path in order:
         if seconds >= 60 * minutes:
             break

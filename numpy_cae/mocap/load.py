@@ -1,6 +1,6 @@
-"""Read any supported motion file, chosen by its suffix.
+"""Load any supported motion file, chosen by its suffix, and save a motion.
 
-Write a motion to a file: as BVH, or with the text of the file that it came from.
+A motion is written as BVH, or with the text of the file that it came from.
 """
 
 import filecmp

@@ -88,10 +88,10 @@ def _is_t_pose(pose: Motion) -> bool:
     """Whether both arms are held out, or no joint but the root is rotated, in a single frame."""
     if np.abs(pose.rotations[:, 1:, :3]).max() < UNCHANGED:
         return True
-    body = body_positions(pose)[0]
-    left, left_wrist = body[JOINTS.index("left_shoulder")], body[JOINTS.index("left_wrist")]
-    right, right_wrist = body[JOINTS.index("right_shoulder")], body[JOINTS.index("right_wrist")]
-    line = left - right
-    arms = np.array([left_wrist - left, right - right_wrist])
+    at = dict(zip(JOINTS, body_positions(pose)[0], strict=True))
+    line = at["left_shoulder"] - at["right_shoulder"]
+    left = at["left_wrist"] - at["left_shoulder"]
+    right = at["right_shoulder"] - at["right_wrist"]
+    arms = np.array([left, right])
     lengths = np.linalg.norm(line) * np.linalg.norm(arms, axis=1)
     return bool(np.all(arms @ line > np.cos(np.radians(ARM_DEGREES)) * lengths))

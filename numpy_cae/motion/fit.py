@@ -29,6 +29,8 @@ from numpy_cae.motion.quaternions import (
     rotate,
 )
 
+ROUNDING = 1e-9
+"""ROUNDING: a difference below this, in radians or in metres at a bone's end, changes nothing."""
 _TAU = 1e-7
 """τ of `fit_fan`. It is so small that only rotations that the bones do not determine stay near the
 T-pose."""
@@ -142,3 +144,28 @@ def _regularised_fit(before: np.ndarray, after: np.ndarray, tau: float) -> np.nd
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12)
+
+
+def bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The point nearest to `middle` from which a limb that begins at `start` reaches `end`.
+
+    Let a and b be the lengths of its two bones, which `chain` (F, 3 joints, 3) gives before the
+    change, and d the distance from `start` to `end`. The points are a circle about the line from
+    start to end, at x = (a² - b² + d²) / 2d along the line, with radius √(a² - x²). Where the end
+    is too far away or too near, the circle is a point on the line.
+    """
+    a, b = np.linalg.norm(np.diff(chain, axis=1), axis=-1).T
+    d = np.linalg.norm(end - start, axis=-1)
+    line = (end - start) / np.maximum(d, 1e-12)[:, None]
+    x = np.clip((a**2 - b**2 + d**2) / np.maximum(2 * d, 1e-12), -a, a)
+
+    def off_line(vectors: np.ndarray) -> np.ndarray:
+        return vectors - np.sum(vectors * line, axis=-1, keepdims=True) * line
+
+    outward = off_line(middle - start)
+    near_line = np.linalg.norm(outward, axis=-1, keepdims=True) < 1e-6
+    outward = np.where(near_line, off_line(chain[:, 1] - chain[:, 0]), outward)
+    outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), 1e-12)
+    reached = start + x[:, None] * line + np.sqrt(a**2 - x**2)[:, None] * outward
+    unchanged = np.abs(np.stack([start, middle, end], axis=1) - chain).max(axis=(1, 2)) < ROUNDING
+    return np.where(unchanged[:, None], middle, reached)

@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.mocap.retarget.body import body_positions
-from numpy_cae.mocap.retarget.to_rig import bent, retarget
+from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.motion.contacts import FEET, foot_sliding
 from numpy_cae.motion.filters import butterworth
+from numpy_cae.motion.fit import bent
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion

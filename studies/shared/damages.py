@@ -15,9 +15,9 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import body_positions, find_joints, retarget
-from numpy_cae.mocap.retarget.to_rig import bent
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.filters import filter_motion
+from numpy_cae.motion.fit import bent
 from numpy_cae.motion.joints import LIMBS, joint_mask
 
 Rng = np.random.Generator

@@ -7,8 +7,9 @@ Angles are about fixed axes in the order of the skeleton's `dof` (the root's: in
 import logging
 from array import array
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -94,7 +95,8 @@ def amc_channels(path: str | Path, unit: float) -> list[Channels]:
 def amc_values(path: str | Path) -> np.ndarray:
     """The values of an Acclaim motion, unchanged, as a table (frames, channels) with its columns in
     the order of the skeleton's joints."""
-    file, acclaim = TextFile.read(path), read_asf(find_skeleton(path))
+    file = TextFile.read(path)
+    acclaim = read_asf(find_skeleton(path))
     _, rate, header = _read_header(file, acclaim)
     return _frames(file, acclaim, header, 1, rate)
 
@@ -124,7 +126,8 @@ def find_skeleton(path: str | Path) -> Path:
 
 def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channels], float, int]:
     """The channels in the angles of this file, the rate, and the last line before the frames."""
-    rate, channels = CMU_RATE, acclaim.channels
+    rate = CMU_RATE
+    channels = acclaim.channels
     for line, words in statements(file):
         keyword = words[0].lower()
         if not keyword.startswith(":"):
@@ -148,33 +151,30 @@ def _frames(
     """
     bones = zip(acclaim.skeleton.names, acclaim.channels, strict=True)
     channels = {name: of_bone.names for name, of_bone in bones}
+    moving = [name for name, names in channels.items() if names]
     rows = array("d")
-    count = 0
-    for frame in _each_frame(file, channels, header):
-        missing = [name for name, names in channels.items() if names and name not in frame.values]
+    for count, frame in enumerate(_each_frame(file, channels, header)):
+        missing = [name for name in moving if name not in frame.values]
         if missing:
             problem = f"frame {frame.number} has no values for {', '.join(missing)}"
             raise file.error(frame.line, problem)
         if count % step == 0:
-            rows.extend(frame.row(file, channels))
+            rows.extend(frame.row(file, moving))
             file.require_frames(count // step + 1, len(channels), rate)
-        count += 1
-    frame.row(file, channels)  # the last frame may be cut off
-    return np.frombuffer(rows).reshape((count - 1) // step + 1, -1)
+    frame.row(file, moving)  # the last frame may be cut off
+    return np.frombuffer(rows).reshape(count // step + 1, -1)
 
 
-@dataclass
-class _Frame:
+class _Frame(NamedTuple):
     """A frame that begins on `line`: its number, and for each bone the line and its words."""
 
     line: int
     number: int
-    values: dict[str, tuple[int, list[str]]] = field(default_factory=dict)
+    values: dict[str, tuple[int, list[str]]]
 
-    def row(self, file: TextFile, channels: dict[str, tuple[str, ...]]) -> list[float]:
-        """The numbers of the bones that have channels, in their order."""
-        moving = [name for name, names in channels.items() if names]
-        return [value for name in moving for value in file.numbers(*self.values[name])]
+    def row(self, file: TextFile, bones: list[str]) -> list[float]:
+        """The numbers of these bones."""
+        return [value for name in bones for value in file.numbers(*self.values[name])]
 
 
 def _each_frame(
@@ -197,6 +197,6 @@ def _each_frame(
             raise file.error(line, f"{quoted(' '.join([name, *values]))}, {wanted}")
         if frame is not None:
             yield frame
-        frame = _Frame(line, number)
+        frame = _Frame(line, number, {})
     assert frame is not None  # the header ends before a statement
     yield frame

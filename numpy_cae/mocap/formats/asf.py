@@ -30,6 +30,11 @@ MAX_BYTES = 1_000_000
 """MAX_BYTES: a longer .asf file is refused; those of CMU have 6,000 bytes."""
 ANGLE_UNITS = {"deg": np.radians(1.0), "degrees": np.radians(1.0), "rad": 1.0, "radians": 1.0}
 """ANGLE_UNITS: radians in one unit of the angles of a file, by the name of the unit."""
+_SEPARATORS = str.maketrans(",()", "   ")
+_CUT_OFF = (
+    "expected :bonedata with the end of each bone and :hierarchy: is the file cut off, or no .asf "
+    "file?"
+)
 _ROOT_CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
@@ -139,124 +144,117 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     """
     file = TextFile.read(path, MAX_BYTES)
     sections = _read_sections(file)
-    unit = sections.unit() if unit is None else require_unit(unit)
-    angle_unit = sections.angle_unit()
-    channels = {"root": sections.root_channels(unit, angle_unit)}
+    units, root = (_block(file, sections.get(name, [])) for name in (":units", ":root"))
+    unit = _unit_of(units) if unit is None else require_unit(unit)
+    angle_unit = _angle_unit_of(units)
+    channels = {"root": _root_channels(root, unit, angle_unit)}
     tips = {"root": np.zeros(3)}
-    for bone in sections.bones:
+    bones = _bones(file, sections[":bonedata"])
+    for bone in bones:
         name = " ".join(bone.words("name")[1])
         if name in tips:
             raise file.error(bone.line, f"bone name {name!r} appears a second time")
         tips[name] = unit * bone.numbers("length", 1)[0] * np.array(bone.numbers("direction", 3))
         channels[name] = bone.bone_channels(unit, angle_unit)
-    parent_of = _parents(file, list(tips), sections.hierarchy)
+    parent_of = _parents(file, list(tips), sections[":hierarchy"])
     children = defaultdict(list)
     for name, parent in parent_of.items():
         children[parent].append(name)
     joints = depth_first("root", children)
-    for name, bone in zip(list(tips)[1:], sections.bones, strict=True):
+    for name, bone in zip(list(tips)[1:], bones, strict=True):
         if name not in joints:
             raise file.error(bone.line, f"bone {name!r} is not below the root")
-    position = unit * np.array(sections.root.numbers("position", 3, "0 0 0"))
+    position = unit * np.array(root.numbers("position", 3, "0 0 0"))
     offsets = np.array([position, *(tips[parent_of[name]] for name in joints[1:])])
     parents = (-1, *(joints.index(parent_of[name]) for name in joints[1:]))
     end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in children}
     skeleton = Skeleton(tuple(joints), parents, offsets, end_sites)
-    return AcclaimSkeleton(skeleton, _placed([channels[name] for name in joints], offsets), unit)
+    # The root's translation is added to its preset position, which is its offset.
+    firsts = np.cumsum([0, *(len(channels[name].names) for name in joints)]).tolist()
+    placed = [
+        replace(channels[name], first=first, offset=offset)
+        for name, first, offset in zip(joints, firsts, offsets, strict=False)
+    ]
+    return AcclaimSkeleton(skeleton, placed, unit)
 
 
-def _placed(channels: list[Channels], offsets: np.ndarray) -> list[Channels]:
-    """The channels of the joints with their columns in a frame and their offsets: the root's
-    translation is added to its preset position, which is its offset."""
-    placed: list[Channels] = []
-    first = 0
-    for of_joint, offset in zip(channels, offsets, strict=True):
-        placed.append(replace(of_joint, first=first, offset=offset))
-        first += len(of_joint.names)
-    return placed
+def _unit_of(units: _Block) -> float:
+    """Metres in one unit of length."""
+    (length,) = units.numbers("length", 1, "1")
+    if length < 1e-9:
+        line, _ = units.words("length")
+        raise units.file.error(line, f"length {length:g}, expected a number above 0")
+    return INCH / length
 
 
-_SEPARATORS = str.maketrans(",()", "   ")
+def _angle_unit_of(units: _Block) -> float:
+    """Radians in one unit of the angles."""
+    line, words = units.words("angle", "deg")
+    angle_unit = ANGLE_UNITS.get(" ".join(words).lower())
+    if angle_unit is None:
+        raise units.file.error(line, f"angle {quoted(' '.join(words))}, expected deg or rad")
+    return angle_unit
 
 
-@dataclass
-class _Sections:
-    """The sections `:units` and `:root`, the bones, and the lines of `:hierarchy`."""
-
-    units: _Block
-    root: _Block
-    bones: list[_Block]
-    hierarchy: list[tuple[int, list[str]]]
-
-    def unit(self) -> float:
-        """Metres in one unit of length."""
-        (length,) = self.units.numbers("length", 1, "1")
-        if length < 1e-9:
-            line, _ = self.units.words("length")
-            raise self.units.file.error(line, f"length {length:g}, expected a number above 0")
-        return INCH / length
-
-    def angle_unit(self) -> float:
-        """Radians in one unit of the angles."""
-        line, words = self.units.words("angle", "deg")
-        angle_unit = ANGLE_UNITS.get(" ".join(words).lower())
-        if angle_unit is None:
-            problem = f"angle {quoted(' '.join(words))}, expected deg or rad"
-            raise self.units.file.error(line, problem)
-        return angle_unit
-
-    def root_channels(self, unit: float, angle_unit: float) -> Channels:
-        """The channels of the root, which an `orientation` turns."""
-        names = self.root.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
-        angles = self.root.numbers("orientation", 3, "0 0 0")
-        turned = self.root.rotation(angles, self.root.words("axis", "XYZ")[1], angle_unit)
-        return Channels(names, 0, unit, orientation=turned, angle_unit=angle_unit)
+def _root_channels(root: _Block, unit: float, angle_unit: float) -> Channels:
+    """The channels of the root, which an `orientation` turns."""
+    names = root.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
+    angles = root.numbers("orientation", 3, "0 0 0")
+    turned = root.rotation(angles, root.words("axis", "XYZ")[1], angle_unit)
+    return Channels(names, 0, unit, orientation=turned, angle_unit=angle_unit)
 
 
-def _read_sections(file: TextFile) -> _Sections:
-    sections: dict[str, _Block] = {}
-    bones: list[_Block] = []
-    hierarchy = []
-    section = _Block(file, 0, {})
-    bone: _Block | None = None
+_Lines = list[tuple[int, list[str]]]
+"""The number and the words of each line of a section."""
+
+
+def _read_sections(file: TextFile) -> dict[str, _Lines]:
+    """The lines of each section, such as ":units"."""
+    sections: dict[str, _Lines] = {}
+    section: _Lines = []
     for line, statement in statements(file):
         words = " ".join(statement).translate(_SEPARATORS).split()
-        if not words:
-            continue
-        keyword = words[0].lower()
-        rest = words[1:]
-        if keyword.startswith(":"):
-            section = sections.setdefault(keyword, _Block(file, line, {}))
-        elif section is sections.get(":hierarchy"):
-            if rest or keyword not in ("begin", "end"):
-                hierarchy.append((line, words))
-        elif section is not sections.get(":bonedata"):
-            section.statements[keyword] = line, rest
-        elif keyword == "begin" and bone is None:
+        if words and words[0].startswith(":"):
+            section = sections.setdefault(words[0].lower(), [])
+        elif words:
+            section.append((line, words))
+    if not {":bonedata", ":hierarchy"} <= set(sections):
+        raise file.error(file.count, _CUT_OFF)
+    return sections
+
+
+def _block(file: TextFile, lines: _Lines) -> _Block:
+    """The statements of a section."""
+    return _Block(file, 0, {words[0].lower(): (line, words[1:]) for line, words in lines})
+
+
+def _bones(file: TextFile, lines: _Lines) -> list[_Block]:
+    """The bones of `:bonedata`, each from `begin` to `end`."""
+    bones: list[_Block] = []
+    bone: _Block | None = None
+    for line, (word, *rest) in lines:
+        keyword = word.lower()
+        if keyword == "begin" and bone is None:
             bone = _Block(file, line, {})
             bones.append(bone)
         elif bone is None or keyword == "begin":
             expected = "begin" if bone is None else f"the end of the bone on line {bone.line}"
-            raise file.error(line, f"expected {expected}, found {quoted(words[0])}")
+            raise file.error(line, f"expected {expected}, found {quoted(word)}")
         elif keyword == "end":
             bone = None
         else:
             bone.statements[keyword] = line, rest
-    if bone is not None or not {":bonedata", ":hierarchy"} <= set(sections):
-        line = file.count if bone is None else bone.line
-        expected = ":bonedata with the end of each bone and :hierarchy"
-        raise file.error(line, f"expected {expected}: is the file cut off, or no .asf file?")
-    missing = _Block(file, 0, {})
-    units = sections.get(":units", missing)
-    return _Sections(units, sections.get(":root", missing), bones, hierarchy)
+    if bone is not None:
+        raise file.error(bone.line, _CUT_OFF)
+    return bones
 
 
-def _parents(
-    file: TextFile, names: list[str], hierarchy: list[tuple[int, list[str]]]
-) -> dict[str, str]:
+def _parents(file: TextFile, names: list[str], hierarchy: _Lines) -> dict[str, str]:
     """The parent of each bone in the lines of `:hierarchy`, in their order."""
     parent_of: dict[str, str] = {}
     for line, (parent, *children) in hierarchy:
+        if not children and parent.lower() in ("begin", "end"):
+            continue
         for place, name in enumerate((parent, *children)):
             if name not in names or (place and name in ("root", *parent_of)):
                 expected = "expected bones of :bonedata, each as a child of one other"

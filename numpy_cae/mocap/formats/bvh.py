@@ -151,11 +151,9 @@ def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
 
 
 def _channels(joints: list[BvhJoint], unit: float) -> list[Channels]:
-    channels, first = [], 0
-    for joint in joints:
-        channels.append(Channels(tuple(joint.channels or ()), first, unit))
-        first += len(joint.channels or ())
-    return channels
+    names = [tuple(joint.channels or ()) for joint in joints]
+    firsts = np.cumsum([0, *map(len, names)]).tolist()
+    return [Channels(*each, unit) for each in zip(names, firsts, strict=False)]
 
 
 def _skeleton(joints: list[BvhJoint]) -> Skeleton:

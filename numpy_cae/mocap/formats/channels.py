@@ -53,10 +53,11 @@ class Channels:
 
     def rotations(self, values: np.ndarray) -> np.ndarray:
         """The joint's rotations as quaternions (F, 4), from the numbers of its channels (F, N)."""
-        order, angles = self.order, values * self.angle_unit
-        if order.islower():  # fixed axes in this order are own axes in reverse order
-            order, angles = order[::-1].upper(), angles[:, ::-1]
-        rotations = quaternions.from_angles(order, angles)
+        angles = values * self.angle_unit
+        if self.order.islower():  # fixed axes in this order are own axes in reverse order
+            rotations = quaternions.from_angles(self.order[::-1].upper(), angles[:, ::-1])
+        else:
+            rotations = quaternions.from_angles(self.order, angles)
         if self.axes is not None:
             # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
             rotations[:, :3] = quaternions.rotate(self.axes, rotations[:, :3])
@@ -88,7 +89,8 @@ class Channels:
         angles = quaternions.nearest_angles(local, self.order)
         jump = 0 if before is None else len(angles)
         if before is None and after is None:
-            before, jump = present[0], len(angles)
+            before = present[0]
+            jump = len(angles)
         elif before is not None and after is not None:
             steps = np.abs(np.diff(np.vstack([before, present, after]), axis=0))
             jump = int(np.argmax(steps.max(axis=1)))

@@ -8,10 +8,11 @@ authors of this text multiply row vectors with matrices, so their matrices are o
 The first frame of CMU's text confirms it: the T-pose rotates the left thigh by -21° about z in
 BVH, and the text has +0.3665.
 
-The literature on motion prediction has two layouts. A line is a frame: three numbers for the root's translation, then three for each joint of the rig
-and for each tip of a bone, in the order of `expmap.json`. The layouts are those of Jain et al.
-(2016) and MBR17 (Martinez, Black, Romero, 2017); the bone lengths of Human3.6M are those that MBR17
-draws with. The CMU text has no bone lengths: these are subject 02's.
+The literature on motion prediction has two layouts. A line is a frame: three numbers for the
+root's translation, then three for each joint of the rig and for each tip of a bone, in the order of
+`expmap.json`. The layouts are those of Jain et al. (2016) and MBR17 (Martinez, Black, Romero,
+2017); the bone lengths of Human3.6M are those that MBR17 draws with. The CMU text has no bone
+lengths: these are subject 02's.
 """
 
 import json

@@ -94,7 +94,8 @@ class TextFile:
                 raise self.error(line, problem)
             texts = self.data[start:end].decode().removesuffix("\n").split("\n")
             yield line, texts
-            start, line = end, line + len(texts)
+            start = end
+            line += len(texts)
 
     def error(self, line: int | None, problem: str) -> MotionFileError:
         """An error about a line of this file, for the caller to raise."""
@@ -138,13 +139,13 @@ class TextFile:
         it may be cut off; the others are only counted. `expected` describes a line in an error.
         Numbers are separated by `separator`, None for white space.
         """
-        rows, lines = array("d"), 0
+        rows = array("d")
+        lines = 0
         for first, texts in self._blocks():
-            filled = [
-                (n, text) for n, text in enumerate(texts, first) if n > after and text.strip()
-            ]
+            numbered = enumerate(texts, first)
+            filled = [(n, text) for n, text in numbered if n > after and text.strip()]
             within = enumerate(filled[: max(frames - lines, 0)], lines)
-            parsed = [numbered for row, numbered in within if row % step == 0 or row == frames - 1]
+            parsed = [line for row, line in within if row % step == 0 or row == frames - 1]
             if parsed:
                 rows.frombytes(self._rows(parsed, width, expected, separator).tobytes())
             lines += len(filled)

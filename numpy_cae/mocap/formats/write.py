@@ -117,25 +117,26 @@ def _joint_lines(
         while still_open and still_open[-1] != skeleton.parents[joint]:
             still_open.pop()
             yield "  " * len(still_open) + "}"
-        outer, inner = "  " * len(still_open), "  " * (len(still_open) + 1)
-        still_open.append(joint)
         channels = POSITIONS + ROTATIONS if joint in moving else ROTATIONS
-        yield f"{outer}{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}"
-        yield f"{outer}{{"
-        yield f"{inner}{offset(skeleton.offsets[joint])}"
-        yield f"{inner}CHANNELS {len(channels)} {' '.join(channels)}"
+        lines = [
+            f"{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}",
+            "{",
+            f"  {offset(skeleton.offsets[joint])}",
+            f"  CHANNELS {len(channels)} {' '.join(channels)}",
+        ]
         if joint in skeleton.end_sites or not skeleton.children(joint):
-            yield f"{inner}End Site"
-            yield f"{inner}{{"
-            yield f"{inner}  {offset(skeleton.end_sites.get(joint, np.zeros(3)))}"
-            yield f"{inner}}}"
+            tip = offset(skeleton.end_sites.get(joint, np.zeros(3)))
+            lines += ["  End Site", "  {", f"    {tip}", "  }"]
+        yield from ("  " * len(still_open) + line for line in lines)
+        still_open.append(joint)
     while still_open:
         still_open.pop()
         yield "  " * len(still_open) + "}"
 
 
 def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float) -> Iterator[str]:
-    columns, formats = [], []
+    columns: list[np.ndarray] = []
+    formats: list[str] = []
     for joint in order:
         if joint in moving:
             columns.append(motion.translations[:, joint] / unit)

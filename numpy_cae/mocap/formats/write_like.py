@@ -4,6 +4,8 @@ The header, the order of channels, line ends, spaces and all other numbers are u
 text is processed in blocks of frames, so that a long file needs little memory.
 """
 
+from __future__ import annotations
+
 import logging
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -82,38 +84,46 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     require_finite(after)
     is_bvh = source.suffix.lower() == ".bvh"
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
-    # Every line of the header of a BVH file begins with a keyword or a brace.
-    begins = re.compile(r"(?i)\s*([-+.\d]|nan|inf)" if is_bvh else r"\s*\d+\s*(#|$)")
-    replacer = _Replacer(
-        channels, _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
-    )
-    cut = len(before) - len(after)
-    before = before.at(slice(cut, None)) if cut else before
-    count = 0
+    numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
+    replacer = _Replacer(channels, numbers)
     with (
         atomic_write(path) as temporary,
         _text(source, "r") as lines,
         _text(temporary, "w") as output,
     ):
-        parts = _parts(lines, begins)
-        header = next(parts)
-        output.write(_FRAMES.sub(rf"\g<1>{len(after)}", header) if cut else header)
-        next(islice(parts, cut, cut), None)  # leaves the first frames out
-        while texts := list(islice(parts, _BLOCK)):
-            frames = slice(count, count + len(texts))
-            count += len(texts)
-            if count > len(before):
-                break
-            texts = replacer.replaced(texts, before.at(frames), after.at(frames))
-            if cut and not is_bvh:  # an .amc file numbers its frames
-                numbered = enumerate(texts, frames.start + 1)
-                texts = [re.sub(r"\d+", str(number), text, count=1) for number, text in numbered]
-            output.writelines(texts)
-        if count != len(before):
-            raise MotionFileError(source, None, "has changed since it was read")
+        output.writelines(_changed(_parts(lines, is_bvh), replacer, before, after, is_bvh, source))
     if replacer.misses:
         worst = ", ".join(f"{joint} {miss:.0f}{u}" for (joint, u), miss in replacer.misses.items())
         log.warning("%s: not written, as the channels do not allow it: %s", path, worst)
+
+
+def _changed(
+    parts: Iterator[str],
+    replacer: _Replacer,
+    before: Motion,
+    after: Motion,
+    is_bvh: bool,
+    source: Path,
+) -> Iterator[str]:
+    """The text above the first frame and that of each frame, with the numbers of `after`."""
+    cut = len(before) - len(after)
+    header = next(parts)
+    yield _FRAMES.sub(rf"\g<1>{len(after)}", header) if cut else header
+    next(islice(parts, cut, cut), None)  # leaves the first frames out
+    count = 0
+    while texts := list(islice(parts, _BLOCK)):
+        frames = slice(count, count + len(texts))
+        count += len(texts)
+        if count > len(after):
+            break
+        was = before.at(slice(cut + frames.start, cut + frames.stop))
+        texts = replacer.replaced(texts, was, after.at(frames))
+        if cut and not is_bvh:  # an .amc file numbers its frames
+            numbered = enumerate(texts, frames.start + 1)
+            texts = [re.sub(r"\d+", str(number), text, count=1) for number, text in numbered]
+        yield from texts
+    if count != len(after):
+        raise MotionFileError(source, None, "has changed since it was read")
 
 
 class _Replacer:
@@ -133,7 +143,8 @@ class _Replacer:
     """
 
     def __init__(self, channels: list[Channels], numbers: _Numbers):
-        self.channels, self.numbers = channels, numbers
+        self.channels = channels
+        self.numbers = numbers
         self.last: np.ndarray | None = None
         self.misses: dict[tuple[str, str], float] = {}
 
@@ -214,7 +225,8 @@ class _Replacer:
 def _split(text: str) -> tuple[list[str], Sequence[int]]:
     """A text as pieces, which are words and gaps in turn, and the places of the words among the
     pieces."""
-    body, words = text.strip(), text.split()
+    body = text.strip()
+    words = text.split()
     if " ".join(words) == body and "#" not in body:  # most lines; ten times as fast
         pieces = [" "] * (2 * len(words) + 1)
         pieces[1::2] = words
@@ -238,8 +250,8 @@ def _put_angles(
         before = values[first - 1, columns] if first else None
         before = last[columns] if first == 0 and last is not None else before
         after = values[end, columns] if end < len(values) else None
-        wanted, present = rotations[first:end], values[first:end, columns]
-        angles = channels.rotation_values(wanted, present, before, after)
+        wanted = rotations[first:end]
+        angles = channels.rotation_values(wanted, values[first:end, columns], before, after)
         values[first:end, columns] = angles
         if len(columns) < 3:
             off = angle(product(inverse(channels.rotations(angles)), wanted))
@@ -262,8 +274,10 @@ def _text(path: Path, mode: str):
     return path.open(mode, encoding="utf-8", errors="surrogateescape", newline="")
 
 
-def _parts(lines: Iterable[str], begins: re.Pattern[str]) -> Iterator[str]:
+def _parts(lines: Iterable[str], is_bvh: bool) -> Iterator[str]:
     """The text above the first frame, then the text of each frame."""
+    # Every line of the header of a BVH file begins with a keyword or a brace.
+    begins = re.compile(r"(?i)\s*([-+.\d]|nan|inf)" if is_bvh else r"\s*\d+\s*(#|$)")
     part: list[str] = []
     for line in lines:
         if begins.match(line):
@@ -286,7 +300,8 @@ def _amc_numbers(channels: list[Channels], names: Sequence[str]) -> _Numbers:
         place = 1
         while place < len(words):
             of_joint = channels[index[words[place]]]
-            first, count = of_joint.first, len(of_joint.names)
+            first = of_joint.first
+            count = len(of_joint.names)
             places[first : first + count] = range(place + 1, place + 1 + count)
             place += 1 + count
         return places

@@ -118,7 +118,8 @@ def at_rate_of(
     if len(times) == 1 or np.array_equal(times, np.arange(len(motion))):
         resampled[:] = positions[0 if len(times) == 1 else frames]
         return resampled
-    step, done = times[1], 0
+    step = times[1]
+    done = 0
     for part in blocks(frames):
         # The curve in these frames depends on three poses before and three poses after them.
         first, end = (part[[0, -1]] / step).astype(int) + [-3, 5]
@@ -200,7 +201,8 @@ class Body:
             With the skeleton, rate and unit of the motion. Joints beyond the twenty keep their
             rotation relative to their parent.
         """
-        source, motion = self.motion.source_frames(RATE), self.motion
+        motion = self.motion
+        source = motion.source_frames(RATE)
         if len(features) != len(source):
             motion = motion.at(slice(int(np.ceil(source[len(features)]))))
         # Below 30 frames a second the last pose can lie after the last frame.

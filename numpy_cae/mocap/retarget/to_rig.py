@@ -27,14 +27,12 @@ import numpy as np
 
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
-from numpy_cae.motion.fit import fit_fan, swing
+from numpy_cae.motion.fit import ROUNDING, bent, fit_fan, swing
 from numpy_cae.motion.hole_curves import without_seams
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate
 
-_ROUNDING = 1e-9
-"""_ROUNDING: a difference below this, in radians or in metres at a bone's end, changes nothing."""
 _MOVED = 1e-6
 """_MOVED: if the hips or an ancestor are further than this from their offset (m), their position
 channels move the whole body."""
@@ -121,12 +119,8 @@ def retarget(
     changed = _started(motion, touched, start, bones, joints)
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
         moves = touched[frames]
-        targets = positions(frames) if callable(positions) else positions[frames]
-        if not np.all(np.isfinite(targets).all(axis=-1) | ~moves):
-            raise ValueError("positions hold values that are not finite")
-        if not moves.all():
-            present = motion.at(frames).positions(joints)
-            targets = np.where(moves[..., None], targets, present)
+        wanted = positions(frames) if callable(positions) else positions[frames]
+        targets = _targets(wanted, moves, motion.at(frames), joints)
         part = changed.at(frames)
         pose = part.forward_kinematics()
         if moves[:, 0].any():
@@ -136,6 +130,15 @@ def retarget(
         limbs = {joints[mid]: (joints[mid + 1], ~moves[:, mid + 1]) for mid in _MIDDLES}
         changed.rotations[frames] = _rotated(part, pose, by_joint, limbs, bones)
     return changed
+
+
+def _targets(
+    wanted: np.ndarray, moves: np.ndarray, motion: Motion, joints: list[int]
+) -> np.ndarray:
+    """The wanted positions (F, 20, 3) of joints that move, the present ones of the others."""
+    if not np.all(np.isfinite(wanted).all(axis=-1) | ~moves):
+        raise ValueError("positions hold values that are not finite")
+    return wanted if moves.all() else np.where(moves[..., None], wanted, motion.positions(joints))
 
 
 def _started(
@@ -208,37 +211,12 @@ def _rotated(
         target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
         free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
         corrected = _corrected(turned[:, joint], rotations_before[:, joint], bone, target, free)
-        changes = angle(product(corrected, inverse(turned[:, joint]))) > _ROUNDING
+        changes = angle(product(corrected, inverse(turned[:, joint]))) > ROUNDING
         turned[changes, joint] = corrected[changes]
         if parent >= 0:
             corrected = product(inverse(turned[:, parent]), corrected)
         rotations[changes, joint] = corrected[changes]
     return rotations
-
-
-def bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """The point nearest to `middle` from which a limb that begins at `start` reaches `end`.
-
-    Let a and b be the lengths of its two bones, which `chain` (F, 3 joints, 3) gives before the
-    change, and d the distance from `start` to `end`. The points are a circle about the line from
-    start to end, at x = (a² - b² + d²) / 2d along the line, with radius √(a² - x²). Where the end
-    is too far away or too near, the circle is a point on the line.
-    """
-    a, b = np.linalg.norm(np.diff(chain, axis=1), axis=-1).T
-    d = np.linalg.norm(end - start, axis=-1)
-    line = (end - start) / np.maximum(d, 1e-12)[:, None]
-    x = np.clip((a**2 - b**2 + d**2) / np.maximum(2 * d, 1e-12), -a, a)
-
-    def off_line(vectors: np.ndarray) -> np.ndarray:
-        return vectors - np.sum(vectors * line, axis=-1, keepdims=True) * line
-
-    outward = off_line(middle - start)
-    near_line = np.linalg.norm(outward, axis=-1, keepdims=True) < 1e-6
-    outward = np.where(near_line, off_line(chain[:, 1] - chain[:, 0]), outward)
-    outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), 1e-12)
-    bent = start + x[:, None] * line + np.sqrt(a**2 - x**2)[:, None] * outward
-    unchanged = np.abs(np.stack([start, middle, end], axis=1) - chain).max(axis=(1, 2)) < _ROUNDING
-    return np.where(unchanged[:, None], middle, bent)
 
 
 def _corrected(
@@ -257,12 +235,12 @@ def _corrected(
     weights = np.where(flexible, _FLEXIBLE_WEIGHT, 1.0)[:, None]
     fitted = product(fit_fan(now * weights, target, _TAU), rotation)
     # Where the targets are the unchanged bones, restore their rotation exactly.
-    unchanged = np.all(np.abs(target - bone) < _ROUNDING, axis=(1, 2))
+    unchanged = np.all(np.abs(target - bone) < ROUNDING, axis=(1, 2))
     fitted = np.where(unchanged[:, None], before, fitted)
     # If only flexible bones miss, keep this joint's rotation: the joints inside these bones correct
     # them. If all bones are flexible, it rotates.
     decisive = np.ones(len(flexible), bool) if flexible.all() else ~flexible
-    misses = np.linalg.norm(target - now, axis=-1) > _ROUNDING
+    misses = np.linalg.norm(target - now, axis=-1) > ROUNDING
     return np.where(misses[:, decisive].any(axis=1)[:, None], fitted, rotation)
 
 
@@ -294,7 +272,7 @@ def bones_through(motion: Motion, joints: list[int]) -> _Bones:
         bone = tuple(path[start::-1])
         for passed in bone[:-1]:
             # A joint that never rotates (CMU's lhipjoint) is part of a rigid bone.
-            rotates = np.abs(motion.rotations[:, passed, :3]).max() >= _ROUNDING
+            rotates = np.abs(motion.rotations[:, passed, :3]).max() >= ROUNDING
             if passed == bone[0] or rotates:
                 bones.setdefault(passed, []).append(bone)
     return bones

@@ -70,9 +70,10 @@ def completed(motion: RiggedMotion, estimate: bool = False) -> RiggedMotion:
 
 def _offset(motion: Motion, rig: Rig, joint: str, parent: int, estimate: bool) -> np.ndarray:
     """The offset of a missing joint from its parent in the rig; zero if it is not known."""
-    skeleton, found = motion.skeleton, rig.found
+    skeleton = motion.skeleton
     offset = np.zeros(3)
     end, part = _BETWEEN.get(joint, ("", 0.0))
+    found = rig.found
     if end in found and skeleton.parents[found[end]] == parent:
         offset = part * np.nanmean(motion.translations[:, found[end]], axis=0)
     elif JOINTS.index(joint) not in PARENTS:
@@ -94,11 +95,12 @@ def _estimated(
         return np.zeros(3)
     positions, rotations = poses.forward_kinematics()
     at = {name: positions[:, found[name]] for name in names}
+    parent = "chest" if joint == "head" else f"{side}ankle"
     if joint == "head":
-        parent, along = "chest", _unit(at["chest"] - at["hips"])
+        along = _unit(at["chest"] - at["hips"])
         distance = _HEAD * np.linalg.norm(at["left_knee"] - at["left_hip"], axis=-1)
     else:
-        parent, shin = f"{side}ankle", at[f"{side}ankle"] - at[f"{side}knee"]
+        shin = at[f"{side}ankle"] - at[f"{side}knee"]
         forward = np.cross(at["left_hip"] - at["right_hip"], -shin)
         along = 0.87 * _unit(forward) + 0.5 * _unit(shin)  # as in `REST_DIRECTIONS`
         distance = _TOE * np.linalg.norm(shin, axis=-1)

@@ -1,13 +1,9 @@
 """Recognise the twenty joints in the rig of a file: by names, by hierarchy, or not at all.
 
 The names of known rigs come first. If they leave joints open, the hierarchy suggests these, or all.
-A suggestion with nothing against it (`checks`) is used and noted; a doubtful one is only noted, and
+A suggestion is used and noted if its joints are in order along each limb, names and places agree on
+left and right, and the bones and the pose are a person's. A doubtful one is only noted, and
 `rig_of` then refuses the motion. Doubts about a rig that names determine are noted, too.
-
-Reasons to doubt which joints of a rig are the twenty, if its hierarchy suggests them.
-
-A suggestion is used without a question only if its joints are in order along each limb, names and
-places agree on left and right, and the bones and the pose are a person's.
 """
 
 import json

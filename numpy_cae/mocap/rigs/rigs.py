@@ -5,9 +5,7 @@ case, blanks, punctuation and a prefix up to a colon ("mixamorig:Hips") do not m
 `chest` is the joint that carries the collars, and `spine` is the joint nearest to the middle
 between hips and chest; both follow from the hierarchy if the names do not tell.
 
-The names of joints in common rigs.
-
-The table of a rig gives for each of our joint names the names that the joint may have in the rig.
+`RIGS` has common rigs: for each of our joint names the names that the joint may have in the rig.
 `rigs.json` has a line for each rig, in which | separates alternatives:
 
 - `trunk` has the names of hips and head, or of hips, spine, chest and head
@@ -15,9 +13,7 @@ The table of a rig gives for each of our joint names the names that the joint ma
 - `sides` has the patterns for left and right, such as "Left{} Right{}"
 - `prefixes` has the prefixes that every name may have
 
-Rigs of one family differ in their number of spine joints. If a table has no spine or chest, they
-are found by hierarchy (`numpy_cae.mocap.rigs.rigs`). Blanks and punctuation in names do not
-matter.
+Rigs of one family differ in their number of spine joints, so a table may have no spine or chest.
 """
 
 import json

@@ -32,7 +32,8 @@ the root to a tip."""
 _NOT_A_JOINT = re.compile(r"twist|roll|[._]0\d\d$", re.IGNORECASE)
 """_NOT_A_JOINT: names of joints that divide one bone."""
 
-_LEG, _ARM = ("", "hip", "knee", "ankle", "toe"), ("collar", "shoulder", "elbow", "wrist", "")
+_LEG = ("", "hip", "knee", "ankle", "toe")
+_ARM = ("collar", "shoulder", "elbow", "wrist", "")
 """_LEG, _ARM: our names of the joints that `_limb` returns."""
 _Pair = tuple[int, int, int]
 """The joint that carries a pair of limbs, and the first joint of each."""
@@ -51,15 +52,9 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
         return {}
     legs, arms = pairs
     found = {"hips": _meeting_joint(skeleton, legs[0], arms[0]), "chest": arms[0]}
-    places = skeleton.rest_positions()
-    forward = np.zeros(3)
-    for start in legs[1:]:
-        ankle, toe = _limb(skeleton, chains[start])[3:]
-        if ankle is not None and toe is not None:
-            forward = forward + places[toe] - places[ankle]
-    left = np.cross(places[found["chest"]] - places[found["hips"]], forward)
+    left = _left(skeleton, chains, legs[1:], found["chest"], found["hips"])
     for names, pair in ((_LEG, legs), (_ARM, arms)):
-        starts = _left_first(skeleton, pair[1:], places @ left)
+        starts = _left_first(skeleton, pair[1:], left)
         for side, start in zip(("left", "right"), starts, strict=True):
             limb = zip(names, _limb(skeleton, chains[start]), strict=True)
             found |= {f"{side}_{name}": at for name, at in limb if name and at is not None}
@@ -70,17 +65,32 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
     return {joint: skeleton.names[found[joint]] for joint in JOINTS if joint in found}
 
 
+def _left(
+    skeleton: Skeleton, chains: list[list[int]], legs: Sequence[int], chest: int, hips: int
+) -> np.ndarray:
+    """How far each joint is to the left in the rest pose, (J,), where toes tell the front."""
+    places = skeleton.rest_positions()
+    forward = np.zeros(3)
+    for start in legs:
+        ankle, toe = _limb(skeleton, chains[start])[3:]
+        if ankle is not None and toe is not None:
+            forward = forward + places[toe] - places[ankle]
+    return places @ np.cross(places[chest] - places[hips], forward)
+
+
 def _legs_and_arms(skeleton: Skeleton, reach: list[float]) -> tuple[_Pair, _Pair] | None:
     """The two longest pairs of limbs of which the second begins on another branch than the first;
     None if there are none."""
-    longest, found = 0.0, None
+    longest = 0.0
+    found = None
     for legs, arms in product(_pairs(skeleton, reach), repeat=2):
         hips = _meeting_joint(skeleton, legs[0], arms[0])
         path = skeleton.path(legs[0])
         length = reach[legs[1]] + reach[arms[1]] - _length(skeleton, path[: path.index(hips)])
         apart = hips != arms[0] and not set(legs[1:]) & set(skeleton.path(arms[0]))
         if apart and length > longest:
-            longest, found = length, (legs, arms)
+            longest = length
+            found = (legs, arms)
     return found
 
 
