@@ -84,6 +84,10 @@ class _Block:
         values = np.array([[angles["xyz".index(letter)] for letter in letters]])
         return Channels(names, 0, 1.0, angle_unit=angle_unit).rotations(values)[0]
 
+    def tip(self, unit: float) -> np.ndarray:
+        """The end of a bone, relative to its base."""
+        return unit * self.numbers("length", 1)[0] * np.array(self.numbers("direction", 3))
+
     def bone_channels(self, unit: float, angle_unit: float) -> Channels:
         """The channels of a bone, about axes that its `axis` turns."""
         line, words = self.words("axis")
@@ -147,35 +151,32 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     units, root = (_block(file, sections.get(name, [])) for name in (":units", ":root"))
     unit = _unit_of(units) if unit is None else require_unit(unit)
     angle_unit = _angle_unit_of(units)
-    channels = {"root": _root_channels(root, unit, angle_unit)}
-    tips = {"root": np.zeros(3)}
-    bones = _bones(file, sections[":bonedata"])
-    for bone in bones:
+    bones = {"root": root}
+    for bone in _bones(file, sections[":bonedata"]):
         name = " ".join(bone.words("name")[1])
-        if name in tips:
+        if name in bones:
             raise file.error(bone.line, f"bone name {name!r} appears a second time")
-        tips[name] = unit * bone.numbers("length", 1)[0] * np.array(bone.numbers("direction", 3))
-        channels[name] = bone.bone_channels(unit, angle_unit)
-    parent_of = _parents(file, list(tips), sections[":hierarchy"])
-    children = defaultdict(list)
-    for name, parent in parent_of.items():
-        children[parent].append(name)
-    joints = depth_first("root", children)
-    for name, bone in zip(list(tips)[1:], bones, strict=True):
-        if name not in joints:
-            raise file.error(bone.line, f"bone {name!r} is not below the root")
+        bones[name] = bone
+    parent_of = _parents(bones, sections[":hierarchy"])
+    joints = list(parent_of)
+    channels = [bones[name].bone_channels(unit, angle_unit) for name in joints[1:]]
+    channels.insert(0, _root_channels(root, unit, angle_unit))
+    tips = {"root": np.zeros(3)} | {name: bones[name].tip(unit) for name in joints[1:]}
     position = unit * np.array(root.numbers("position", 3, "0 0 0"))
     offsets = np.array([position, *(tips[parent_of[name]] for name in joints[1:])])
     parents = (-1, *(joints.index(parent_of[name]) for name in joints[1:]))
-    end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in children}
+    above = set(parent_of.values())
+    end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in above}
     skeleton = Skeleton(tuple(joints), parents, offsets, end_sites)
-    # The root's translation is added to its preset position, which is its offset.
-    firsts = np.cumsum([0, *(len(channels[name].names) for name in joints)]).tolist()
-    placed = [
-        replace(channels[name], first=first, offset=offset)
-        for name, first, offset in zip(joints, firsts, offsets, strict=False)
-    ]
-    return AcclaimSkeleton(skeleton, placed, unit)
+    return AcclaimSkeleton(skeleton, _placed(channels, offsets), unit)
+
+
+def _placed(channels: list[Channels], offsets: np.ndarray) -> list[Channels]:
+    """The channels of the joints with their columns in a frame and their offsets: the root's
+    translation is added to its preset position, which is its offset."""
+    firsts = np.cumsum([0, *(len(of_joint.names) for of_joint in channels)]).tolist()
+    places = zip(channels, firsts, offsets, strict=False)
+    return [replace(each, first=first, offset=offset) for each, first, offset in places]
 
 
 def _unit_of(units: _Block) -> float:
@@ -249,16 +250,23 @@ def _bones(file: TextFile, lines: _Lines) -> list[_Block]:
     return bones
 
 
-def _parents(file: TextFile, names: list[str], hierarchy: _Lines) -> dict[str, str]:
-    """The parent of each bone in the lines of `:hierarchy`, in their order."""
-    parent_of: dict[str, str] = {}
-    for line, (parent, *children) in hierarchy:
-        if not children and parent.lower() in ("begin", "end"):
+def _parents(bones: dict[str, _Block], hierarchy: _Lines) -> dict[str, str]:
+    """The parent of each bone in the lines of `:hierarchy`, depth first; "" of the root."""
+    file = bones["root"].file
+    parent_of = {"root": ""}
+    children = defaultdict(list)
+    for line, (parent, *names) in hierarchy:
+        if not names and parent.lower() in ("begin", "end"):
             continue
-        for place, name in enumerate((parent, *children)):
-            if name not in names or (place and name in ("root", *parent_of)):
+        for place, name in enumerate((parent, *names)):
+            if name not in bones or (place and name in parent_of):
                 expected = "expected bones of :bonedata, each as a child of one other"
                 raise file.error(line, f":hierarchy, {quoted(name)}: {expected}")
             if place:
                 parent_of[name] = parent
-    return parent_of
+                children[parent].append(name)
+    joints = depth_first("root", children)
+    for name, bone in bones.items():
+        if name not in joints:
+            raise file.error(bone.line, f"bone {name!r} is not below the root")
+    return {name: parent_of[name] for name in joints}
