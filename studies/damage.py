@@ -30,7 +30,7 @@ from numpy_cae.repair import Preset, project_motion, repair
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.interpolated import missing_joints, on_curves
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
-from studies.shared.damages import DAMAGES, stretch
+from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
 from studies.shared.linear_denoiser import TAPS, contexts
 from studies.shared.material import LabelledTake, Material, evenly, features_of
 from studies.shared.result import Claim, Picture, Result, Table
@@ -73,12 +73,14 @@ ERROR = (
     "where the damage is jitter"
 )
 ELSEWHERE, INTACT = "change of everything else, cm", "without damage"
+BY_ONSET = "error, cm, by the frames at 30 a second over which damage begins and ends"
 FINDINGS = "what repair finds, mask unknown, % of joints and frames"
 HOLE_ERROR = "holes in takes without damage, cm"
 RATIO = "the same holes, error of repair by that of each curve, geometric mean over the holes"
 TABLES: dict[str, tuple[Sequence[str], str]] = {
     ERROR: (KINDS, "low"),
     ELSEWHERE: (KINDS, ""),
+    BY_ONSET: ([str(onset) for onset in ONSETS], ""),
     FINDINGS: (KINDS, ""),
     INTACT: (CLEAN, ""),
     HOLE_ERROR: ((*CURVES, GIVEN), "low across"),
@@ -149,14 +151,26 @@ class _Trial:
         projected = body_positions(project_motion(truth, self.manifold))
         self.values[INTACT][PROJECTION][CLEAN[0]].append(_distance(projected, true).mean())
         for kind, damage in DAMAGES.items():
-            damaged, mask = damage(truth, np.random.default_rng([self.seed, number]))
-            before = body_positions(damaged)
-            for name, motion in self._made(damaged, mask, kind).items():
-                after = body_positions(motion)
-                self.values[ERROR][name][kind].append(_distance(after, true)[mask].mean())
-                if not mask.all():
-                    moved = _distance(after, before)[~mask].mean()
-                    self.values[ELSEWHERE][name][kind].append(moved)
+            for onset in ONSETS if kind in EASED else ONSETS[:1]:
+                damaged, mask = damage(truth, np.random.default_rng([self.seed, number, onset]))
+                if onset:
+                    damaged = eased(truth, damaged, mask, onset)
+                self._compare(true, damaged, mask, kind, str(onset))
+
+    def _compare(
+        self, true: np.ndarray, damaged: Motion, mask: np.ndarray, kind: str, onset: str
+    ) -> None:
+        """Errors of all methods. Those of kinds with several onsets are means over them."""
+        before = body_positions(damaged)
+        for name, motion in self._made(damaged, mask, kind).items():
+            after = body_positions(motion)
+            error = _distance(after, true)[mask].mean()
+            self.values[ERROR][name][kind].append(error)
+            if kind in EASED and name in (DAMAGED, UNKNOWN):
+                self.values[BY_ONSET][f"{kind}: {name}"][onset].append(error)
+            if not mask.all():
+                moved = _distance(after, before)[~mask].mean()
+                self.values[ELSEWHERE][name][kind].append(moved)
 
     def _made(self, damaged: Motion, mask: np.ndarray, kind: str) -> dict[str, Motion]:
         """The damaged take by every method; what repair finds is compared with the mask."""

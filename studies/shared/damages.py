@@ -15,17 +15,22 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import body_positions, find_joints, retarget
-from numpy_cae.motion import JOINTS, Motion
+from numpy_cae.motion import JOINTS, RATE, Motion
 from numpy_cae.motion.filters import filter_motion
 from numpy_cae.motion.fit import bent
 from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.motion.quaternions import slerp
 
 Rng = np.random.Generator
 Damaged = tuple[Motion, np.ndarray]
 """The damaged motion and the mask of what is damaged, (frames, 20) bool."""
 
-SECONDS = 1.5
-"""The length of a stretch of damage if the take is long enough."""
+SECONDS = (0.3, 3.0)
+"""SECONDS: the range of the length of a stretch of damage if the take is long enough (s)."""
+EASED = ("frozen in channels", "frozen in the world", "twisted leg", "missing marker")
+"""EASED: damage of these kinds may begin and end over some frames (`eased`)."""
+ONSETS = (0, 1, 2, 4, 8)
+"""ONSETS: in so many frames at 30 a second."""
 TWIST, SPIKE = 50.0, (20.0, 60.0)
 """The angle of a twisted leg and the range of angles of spikes, in degrees."""
 JITTER, ROOT_JITTER = np.radians(1.5), 0.004
@@ -50,6 +55,18 @@ def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
     return slice(first, first + count)
 
 
+def eased(motion: Motion, damaged: Motion, mask: np.ndarray, onset: int) -> Motion:
+    """Damage that begins and ends over `onset` frames at 30 a second within its stretch."""
+    frame, (first, *_, last) = np.arange(len(motion)), np.flatnonzero(mask.any(axis=1))
+    steps = onset * motion.rate / RATE + 1
+    share = np.clip(np.minimum(frame - first + 1, last + 1 - frame) / steps, 0.0, 1.0)[:, None]
+    rotations = slerp(motion.rotations, damaged.rotations, share)
+    translations = motion.translations + share[..., None] * (
+        damaged.translations - motion.translations
+    )
+    return replace(motion, rotations=rotations, translations=translations)
+
+
 def spikes(motion: Motion, rng: Rng) -> Damaged:
     """One or two frames in which a limb turns by 20 to 60 degrees, about once a second."""
     mask = np.zeros((len(motion), len(JOINTS)), bool)
@@ -63,26 +80,28 @@ def spikes(motion: Motion, rng: Rng) -> Damaged:
 def twisted_limb(motion: Motion, rng: Rng) -> Damaged:
     """A leg turns by 50 degrees at the hip for a stretch."""
     leg = f"{rng.choice(['left', 'right'])}_leg"
-    return _turned(motion, stretch(motion, SECONDS, rng), TWIST, rng, leg)
+    return _turned(motion, stretch(motion, rng.uniform(*SECONDS), rng), TWIST, rng, leg)
 
 
 def _turned(
     motion: Motion, frames: slice, degrees: float, rng: Rng, limb: str | None = None
 ) -> Damaged:
-    """Turn a limb at its hip or shoulder about a random axis perpendicular to the bone."""
+    """Turn a limb at its hip or shoulder, in its own frame or its parent's, about a random axis."""
     names = LIMBS[limb or str(rng.choice(list(LIMBS)))]
     rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
     first = JOINTS.index(names[0])
     joint, child = rig[first - 1], rig[first]  # a limb's joints follow one another
     axis = np.cross(motion.skeleton.offsets[child], rng.normal(size=3))
     turn = Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis))
-    rotations[frames, joint] = (Rotation.from_quat(rotations[frames, joint]) * turn).as_quat()
+    before = Rotation.from_quat(rotations[frames, joint])
+    in_parent = rng.random() < 0.5
+    rotations[frames, joint] = (turn * before if in_parent else before * turn).as_quat()
     return replace(motion, rotations=rotations), joint_mask(len(motion), names, frames)
 
 
 def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
     """The rotations of a shoulder and an elbow stay constant for a stretch."""
-    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    side, frames = rng.choice(["left", "right"]), stretch(motion, rng.uniform(*SECONDS), rng)
     rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
     for name in ("shoulder", "elbow"):
         joint = rig[JOINTS.index(f"{side}_{name}")]
@@ -93,7 +112,7 @@ def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
 
 def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
     """A wrist stays at one point of the world for a stretch, as far as the arm reaches."""
-    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    side, frames = rng.choice(["left", "right"]), stretch(motion, rng.uniform(*SECONDS), rng)
     positions = body_positions(motion)
     arm = [JOINTS.index(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")]
     chain = positions[frames][:, arm]
@@ -110,7 +129,7 @@ def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
 
 def missing_marker(motion: Motion, rng: Rng) -> Damaged:
     """A forearm is in the rest pose for a stretch, as if the marker of the wrist were missing."""
-    side, frames = rng.choice(["left", "right"]), stretch(motion, SECONDS, rng)
+    side, frames = rng.choice(["left", "right"]), stretch(motion, rng.uniform(*SECONDS), rng)
     rotations = motion.rotations.copy()
     elbow = find_joints(motion.skeleton)[JOINTS.index(f"{side}_elbow")]
     rotations[frames, elbow] = (0.0, 0.0, 0.0, 1.0)
