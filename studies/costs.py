@@ -38,8 +38,8 @@ FILES, WINDOWS = (1, 10, 100, 300), (1, 4, 16, 64, 256, 1024)
 JOINTS, HIDDEN = (20, 50, 100, 200, 500, 1000), (64, 128, 256, 512, 1024)
 LARGE = 3
 """The slope is that of so many of the largest sizes."""
-TAKES_MINUTES = 58.0
-"""Minutes of synthetic motion that make 280 takes."""
+TAKES, MINUTES = 280, 45.0
+"""Takes that are learned from, the first of so many minutes of synthetic motion."""
 READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree"}
 """Packages of the index and their functions; that of bvhtoolbox takes the text of a file."""
 Costs = Mapping[int, tuple[float, float | None]]
@@ -50,7 +50,7 @@ def run() -> Result:
     """Measure everything in a temporary folder, which takes ten minutes and half a gigabyte."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        series = write_series(plan_takes(TAKES_MINUTES), folder / "takes", rate=30.0).parent
+        series = write_series(plan_takes(MINUTES)[:TAKES], folder / "takes", rate=30.0).parent
         rows = list(_commands(folder, series))
         commands = Table("", ["command", "processor, s", "peak, MB"], rows, ("", ".2f", ".0f"))
         speeds = Table("", ["reader", "MB/s"], list(_readers(folder)), ("", ".1f"))

@@ -235,26 +235,15 @@ def test_no_windows_and_no_frames():
             each.loss_and_gradients(np.zeros((0, 8, 3)), np.zeros((0, 8, 3)))
 
 
-def change_one_weight(layer):
-    layer.w[-1, -1, -1] += 1e-3
+CHANGES = [
+    "layer.w[-1, -1, -1] += 1e-3",
+    "layer.w = np.asfortranarray(-1.1 * layer.w)",
+    "layer.w[::-1][:, 0] *= 2; layer.b += 1",
+    "layer.w, layer.b = layer.w.astype(np.float32), layer.b.astype(np.float32)",
+]
 
 
-def assign_another_array(layer):
-    layer.w = np.asfortranarray(-1.1 * layer.w)
-
-
-def change_through_a_view(layer):
-    layer.w[::-1][:, 0] *= 2
-    layer.b += 1
-
-
-def change_the_dtype(layer):
-    layer.w, layer.b = layer.w.astype(np.float32), layer.b.astype(np.float32)
-
-
-@pytest.mark.parametrize(
-    "change", [change_one_weight, assign_another_array, change_through_a_view, change_the_dtype]
-)
+@pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize(("batch", "changed"), [(1, [0]), (5, [1]), (1, [0, 1])])
 def test_any_change_of_weights_between_calls_is_seen(monkeypatch, change, batch, changed):
     monkeypatch.setattr(fast_conv_autoencoder, "MAX_FRAMES", 3 * 16)  # batches of 5 in two parts
@@ -262,14 +251,14 @@ def test_any_change_of_weights_between_calls_is_seen(monkeypatch, change, batch,
     fast = accelerate(model, 2)
     original = [(layer.w, layer.b) for layer in model.layers]
     for step in range(3):
-        tolerance = 1e-5 if step == 2 and change is change_the_dtype else 1e-10
+        tolerance = 1e-5 if step == 2 and "float32" in change else 1e-10
         assert_same([model.encode(x)], [fast.encode(x)], tolerance)
         assert_same([model.decode(y)], [fast.decode(y)], tolerance)
         if step == 1:
             fast.loss_and_gradients(x, corrupted)
             for number, layer in enumerate(model.layers):
-                if number in changed or change is change_the_dtype:
-                    change(layer)
+                if number in changed or "float32" in change:
+                    exec(change, {"np": np, "layer": layer})
     for layer, (w, b) in zip(model.layers, original, strict=True):
         layer.w, layer.b = w, b  # back to the arrays of an earlier call
     arguments = (x, y, corrupted, 0.0, None)
@@ -297,17 +286,11 @@ def test_weights_that_were_infinite_cause_no_later_warning(batch):
     assert_same([model.encode(x)], [fast.encode(x)])
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda fast: fast.encode(np.zeros((1, 6, 3))), "expected a multiple of 4 frames"),
-        (lambda fast: fast.decode(np.zeros((1, 6, 4))), "y has shape"),
-        (
-            lambda fast: fast.loss_and_gradients(np.zeros((1, 8, 3)), np.zeros((2, 8, 3))),
-            "corrupted has shape",
-        ),
-    ],
-)
-def test_arguments_are_checked(call, message):
-    with pytest.raises(ValueError, match=message):
-        call(accelerate(drawn_conv()[0]))
+def test_arguments_are_checked():
+    fast = accelerate(drawn_conv()[0])
+    with pytest.raises(ValueError, match="expected a multiple of 4 frames"):
+        fast.encode(np.zeros((1, 6, 3)))
+    with pytest.raises(ValueError, match="y has shape"):
+        fast.decode(np.zeros((1, 6, 4)))
+    with pytest.raises(ValueError, match="corrupted has shape"):
+        fast.loss_and_gradients(np.zeros((1, 8, 3)), np.zeros((2, 8, 3)))

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae import fast, ops
+from numpy_cae.fast.blocks import block_length
 
 SIZES = {
     "batch": st.integers(1, 5),
@@ -80,3 +81,11 @@ def test_equal_in_float64_with_any_strides_and_arguments_left_alone(seed, **size
 def test_a_wrong_shape_names_the_argument(x, w, b, message):
     with pytest.raises(ValueError, match=message):
         fast.conv1d(np.zeros(x), np.zeros(w), np.zeros(b))[1](np.zeros((2, 8, 3)))
+
+
+@given(frames=st.integers(1, 1000), longest=st.integers(2, 60).map(lambda half: 2 * half))
+def test_blocks_hold_every_frame_and_waste_less_than_two_a_block(frames, longest):
+    length, count = block_length(frames, longest)
+    assert length % 2 == 0
+    assert length <= longest
+    assert frames <= length * count < frames + 2 * count

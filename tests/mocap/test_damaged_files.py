@@ -116,7 +116,7 @@ PARTS, PART, MEASURED = 25, 1000, 8
 def code() -> str:
     """A digest of the code that reads motions, and of the mutations."""
     paths = [*sorted(Path(numpy_cae.mocap.__file__).parent.rglob("*.py")), Path(__file__)]
-    paths.append(Path(__file__).with_name("mutations.py"))
+    paths.append(Path(__file__).parents[1] / "mutations.py")
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 

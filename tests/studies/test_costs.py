@@ -8,7 +8,7 @@ from studies.shared.render import png
 
 def test_every_size_has_a_row_a_slope_and_a_figure(monkeypatch):
     sizes = {"SECONDS": (1, 2, 4), "FILES": (1, 2, 4), "WINDOWS": (1, 2, 4), "JOINTS": (2, 3, 4)}
-    for name, few in sizes.items() | {("HIDDEN", (4, 5, 6)), ("TAKES_MINUTES", 0.1)}:
+    for name, few in sizes.items() | {("HIDDEN", (4, 5, 6)), ("TAKES", 1)}:
         monkeypatch.setattr(costs, name, few)
     monkeypatch.setattr(costs, "READERS", {"missing": ""})
     monkeypatch.setattr(costs, "_cost", lambda *words: (2.0, 50.0))

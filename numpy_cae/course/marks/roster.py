@@ -64,12 +64,12 @@ def read_roster(path: Path) -> Roster:
         raise ValueError(f"{path}: line {lines.line_num}: {error}") from None
     if cells and max(map(len, cells)) == 1 and cells[0][0].strip().casefold() not in HEADINGS:
         cells.insert(0, ["student"])  # a list of names without a heading
-    if len(cells) < 2:
-        raise ValueError(f"{path}: no row of a student below a row of headings")
-    columns = tuple(cells[0])
+    columns = tuple(cells[0]) if cells else ()
     rows = [dict(zip(columns, [*line, *[""] * len(columns)], strict=False)) for line in cells[1:]]
     others = [row for row in rows if CANVAS in columns and not row.get("ID", "-").strip()]
     students = [row for row in rows if row not in others]
+    if not students:
+        raise ValueError(f"{path}: no row of a student below a row of headings")
     key = _key(columns, students)
     if key is None:
         raise ValueError(f"{path}: in no column are all cells filled and different")
