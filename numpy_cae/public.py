@@ -7,10 +7,9 @@ more options in `numpy_cae.mocap`, `numpy_cae.manifold`, `numpy_cae.repair` and 
 import tempfile
 import webbrowser
 from collections.abc import Sequence
-from itertools import cycle
 from pathlib import Path
 
-from numpy_cae import ipython, training, viz
+from numpy_cae import notebook, training, viz
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap import load_motion as load
@@ -136,13 +135,11 @@ def show(
     labels = labels or default
     if len(labels) != len(motions):
         raise ValueError(f"there are {len(labels)} labels for {len(motions)} motions")
-    colours = [viz.CORRUPTED, viz.PROJECTED, viz.TRUTH, viz.PLAIN][len(motions) == 1 :]
-    actors = [viz.motion_actor(*each, rate) for each in zip(motions, labels, cycle(colours))]
-    actors = [viz.compared(actor, actors[0]) for actor in actors]
+    actors = viz.side_by_side(motions, labels)
     if findings:
         actors = viz.before_and_after(*motions, rig_of(motions[0]).joints, labels)
     entries = [finding.to_json() for finding in findings]
-    if path is None and ipython.shell():
+    if path is None and notebook.shell():
         return viz.in_notebook(actors, rate, 560 if findings else 420, entries)
     page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
     viz.save_viewer(actors, page, rate, "", bool(findings), entries)
@@ -154,7 +151,8 @@ def show(
 def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionManifold:
     """Learn a manifold from every motion file in a folder and its subfolders.
 
-    Progress is printed. `numpy-cae train` has more options, and continues after an interruption.
+    Progress is printed, in a notebook drawn. `numpy-cae train` has more options, and continues
+    after an interruption.
 
     Parameters
     ----------
@@ -182,4 +180,7 @@ def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionMani
         if body.problem is not None:
             raise body.problem
         takes.append(body.positions)
-    return learn_manifold(takes, schedule, seed, report=training.ProgressPrinter())
+    if not notebook.shell():
+        return learn_manifold(takes, schedule, seed, report=training.ProgressPrinter())
+    with viz.LiveCurve("loss of a step") as curve:
+        return learn_manifold(takes, schedule, seed, report=lambda state: curve.add(state.loss))

@@ -59,17 +59,14 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
 
 
+@visible_output()
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `numpy-cae` with these arguments, by default the command line's; return the status."""
-    with visible_output():
-        return _run(argv)
-
-
-def _run(argv: Sequence[str] | None) -> int:
     argv = sys.argv[1:] if argv is None else list(argv)
     # The commands print the reader's notes themselves.
     logging.getLogger("numpy_cae.mocap.load").setLevel(logging.ERROR)
-    command = next((word for word in argv if not word.startswith("-")), None)
+    command = next((word for word in argv if not word.startswith("-")), "")
+    said = f"numpy-cae {command}".rstrip()
     try:
         args = _parser(command).parse_args(argv)  # imports for a second
         status = args.run(args)
@@ -78,17 +75,20 @@ def _run(argv: Sequence[str] | None) -> int:
     except BrokenPipeError:  # as in `numpy-cae repair … | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
-        problem = f"not enough memory. {error}" if isinstance(error, MemoryError) else error
-        print(f"numpy-cae {command or ''}".rstrip() + f": {problem}", file=sys.stderr)
+    except (NumpyCaeError, ValueError, OSError) as error:
+        print(f"{said}: {error}", file=sys.stderr)
+        return 2
+    except MemoryError as error:
+        print(f"{said}: not enough memory. {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as interrupt:
-        state = str(interrupt) or "nothing more was written"
-        print(f"numpy-cae {command}: interrupted; {state}", file=sys.stderr)
+        print(
+            f"{said}: interrupted; {str(interrupt) or 'nothing more was written'}", file=sys.stderr
+        )
         return 130
 
 
-def _parser(chosen: str | None) -> argparse.ArgumentParser:
+def _parser(chosen: str) -> argparse.ArgumentParser:
     """The parser, with the options of the subcommand `chosen` and of no other."""
     parser = _Parser(
         "numpy-cae",
@@ -101,7 +101,7 @@ def _parser(chosen: str | None) -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(
         prog="numpy-cae", dest="command", required=True, metavar="COMMAND", help=argparse.SUPPRESS
     )
-    if chosen is not None and chosen not in SUBCOMMANDS:
+    if chosen and chosen not in SUBCOMMANDS:
         parser.refuse(chosen, SUBCOMMANDS)
     for name in SUBCOMMANDS:
         if name == chosen:
@@ -113,14 +113,17 @@ def _parser(chosen: str | None) -> argparse.ArgumentParser:
 
 def _overview() -> str:
     """The subcommands in groups, each with its sentence."""
-    columns = min(shutil.get_terminal_size().columns, 100) - 1
     lines = ["Motion manifolds in NumPy, every derivative by hand."]
     for group, names in GROUPS.items():
         lines.append(f"\n{group}:")
         for name in names.split():
             text = f"  {name:<13}{SUBCOMMANDS[name]}"
-            lines.append(textwrap.fill(text, columns, subsequent_indent=" " * 15))
+            lines.append(textwrap.fill(text, _columns(), subsequent_indent=" " * 15))
     return "\n".join(lines).replace("%", "%%")
+
+
+def _columns() -> int:
+    return min(shutil.get_terminal_size().columns, 81) - 2
 
 
 def subcommand_parser(name: str) -> argparse.ArgumentParser:
@@ -131,11 +134,10 @@ def subcommand_parser(name: str) -> argparse.ArgumentParser:
 def _add_subcommand(subparsers, name: str) -> argparse.ArgumentParser:
     """A subcommand's parser, from its module."""
     module = import_module(f"numpy_cae.cli.commands.{name}")
-    columns = min(shutil.get_terminal_size().columns, 81) - 2
     description, _, examples = (module.__doc__ or "").partition("\n\nexample")
     subparser = subparsers.add_parser(
         name,
-        description=textwrap.fill(description, columns).replace("%", "%%"),
+        description=textwrap.fill(description, _columns()).replace("%", "%%"),
         epilog=f"example{examples}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -18,6 +18,7 @@ from numpy_cae.motion.windows import LENGTH, cut_windows
 from numpy_cae.training import Checkpoint, Schedule, SequenceSchedule, TrainingState
 from numpy_cae.training.layerwise import train_autoencoder
 from numpy_cae.training.sequential import train_sequential
+from numpy_cae.training.state import HELD_OUT
 
 MAX_WINDOW_RMS = 2.0
 """MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than
@@ -29,6 +30,8 @@ HIDDEN, LATENT, BURN_IN = 128, 8, 5
 """Units of each GRU, size of z, steps of the decoder before the first frame.
 
 jang2018 states none of them (docs/lab_book/sequence_claims.md)."""
+MOST_MEASURED = 20
+"""MOST_MEASURED: the error while a network learns is that of at most so many test takes."""
 CLIP_STEP, MOST_CLIPS = 5, 4000
 """CLIP_STEP: the mean and deviation are computed from clips that start this many frames apart, or
 further apart where there would be more than MOST_CLIPS of them, to bound memory."""
@@ -47,6 +50,7 @@ def learn_manifold(
     checkpoint: Checkpoint | None = None,
     engine: str = "fast",
     mirror: bool = False,
+    testing: Sequence[np.ndarray] = (),
 ) -> MotionManifold:
     """Train a convolutional manifold on takes.
 
@@ -65,6 +69,8 @@ def learn_manifold(
         As in `train_autoencoder` and `with_engine`.
     mirror : bool
         Whether to learn from mirrored copies of the takes as well.
+    testing : sequence of (F, 20, 3) arrays of float
+        Takes to measure the error on after each epoch of fine tuning; nothing is learned from them.
 
     Returns
     -------
@@ -114,6 +120,8 @@ def learn_manifold(
     manifold.rescales = schedule.fine_tuning.rescaled
     windows = _windows(manifold, features, overlap)
     del features, frames
+    if testing:
+        report = with_error(report, manifold, testing)
     history = train_autoencoder(network, windows, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,
@@ -125,6 +133,28 @@ def learn_manifold(
         "losses": history.losses,
     }
     return manifold
+
+
+def with_error(
+    report: Callable[[TrainingState], None] | None,
+    manifold: MotionManifold,
+    takes: Sequence[np.ndarray],
+) -> Callable[[TrainingState], None]:
+    """The report, after the mean distance (cm) of the joints of takes from their projection was
+    added to the history, at the end of each epoch in which the whole network learns. Of each take
+    one window is projected, of at most `MOST_MEASURED` takes."""
+    some = takes[:: -(-len(takes) // MOST_MEASURED)]
+    clips = [manifold.features(take)[0][: manifold.window] for take in some]
+
+    def measured(state: TrainingState) -> None:
+        if state.step == 0 and not state.name.startswith("layer"):
+            apart = [(manifold.project(clip) - clip)[:, POSITIONS].reshape(-1, 3) for clip in clips]
+            error = 100 * float(np.linalg.norm(np.concatenate(apart), axis=1).mean())
+            state.history.losses.setdefault(HELD_OUT, []).append(error)
+        if report is not None:
+            report(state)
+
+    return measured
 
 
 def learn_sequences(
@@ -216,6 +246,7 @@ def train_on_sequences(
         "frames": frames,
         "motions": len(sequences),
         "schedule": asdict(schedule),
+        "losses": {"sequences": history.losses["sequences"]},
         "reconstruction": history.losses["reconstruction"][-1:],
         "discrepancy": history.losses["discrepancy"][-1:],
     }

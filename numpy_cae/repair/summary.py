@@ -12,9 +12,13 @@ from numpy_cae.repair.jumps import sharp_steps
 from numpy_cae.repair.presets import PRESETS, fitting_preset, shaking
 from numpy_cae.repair.repaired import Repaired, count
 
+Measures = list[tuple[str, float, float]]
+"""The name of each measure with its unit, and its value before and after."""
 
-def sentences(repaired: Repaired) -> list[str]:
-    """What was found and changed, and what a user should know about it."""
+
+def sentences(repaired: Repaired, advises: bool = True) -> list[str]:
+    """What was found and changed, what a user should know about it and, if that is wanted, which
+    preset fits."""
     kinds = Counter(finding.kind for finding in repaired.findings)
     found = ", ".join(f"{kind} {number}" for kind, number in kinds.most_common())
     changed = repaired.touched.any(axis=1).sum() / repaired.motion.rate
@@ -26,20 +30,16 @@ def sentences(repaired: Repaired) -> list[str]:
         said.append(f"{count(len(repaired.proposed), 'proposal')}, not changed")
     if not repaired.known:
         said.append("unlike what the model knows: only what the file itself shows was mended")
-    if repaired.original and (name := fitting_preset(repaired.original)):
+    if advises and repaired.original and (name := fitting_preset(repaired.original)):
         said.append(f"motion like this is repaired with --from {name}: {PRESETS[name]}")
     return said
 
 
-def measures(before: Motion, after: Motion) -> list[tuple[str, float, float]]:
+def measures(before: Motion, after: Motion) -> Measures:
     """Measures of damage, each of the motion before and after."""
-    pair = (with_finite_values(before)[0], after)
-    named = {
-        "jumps, joints and frames": _jumps,
-        "standing feet slide, cm/s": _sliding,
-        "jitter, m/s²": shaking,
-    }
-    return [(name, measure(pair[0]), measure(pair[1])) for name, measure in named.items()]
+    finite = with_finite_values(before)[0]
+    named = {"jumps": _jumps, "feet slide, cm/s": _sliding, "jitter, m/s²": shaking}
+    return [(name, measure(finite), measure(after)) for name, measure in named.items()]
 
 
 def _jumps(motion: Motion) -> float:

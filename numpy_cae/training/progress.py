@@ -1,19 +1,23 @@
-"""The lines that are printed while a training runs."""
+"""What is printed while a training runs."""
 
+import shutil
 import sys
 import time
 
-from numpy_cae.training.state import TrainingState
+from numpy_cae.training.state import HELD_OUT, TrainingState
 
 INTERVAL_SECONDS = 30.0
-"""Within an epoch, a line is printed when this many seconds have passed since the last one."""
+"""INTERVAL_SECONDS: within an epoch, a line is printed when this time (s) has passed since the last
+one; in a terminal, where one line renews itself, after a hundredth of it."""
 
 
 class ProgressPrinter:
     """A `report` that prints a line after each epoch, and every `INTERVAL_SECONDS` within one.
 
     The lines go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left".
-    `training` is the name of the training, with which each line begins, where there are several.
+    In a terminal a stage has one line, which renews itself. An error on held-out takes is printed
+    where there is one in the history. `training` is the name of the training, with which each line
+    begins, where there are several.
 
     Examples
     --------
@@ -23,20 +27,24 @@ class ProgressPrinter:
     def __init__(self, training: str = "") -> None:
         self.training = training and f"{training}: "
         self.printed = time.monotonic()
+        self.columns = shutil.get_terminal_size().columns - 1 if sys.stderr.isatty() else 0
 
     def __call__(self, state: TrainingState) -> None:
         """Print a line if it is time."""
-        if state.step and time.monotonic() - self.printed <= INTERVAL_SECONDS:
+        interval = INTERVAL_SECONDS / 100 if self.columns else INTERVAL_SECONDS
+        if state.step and time.monotonic() - self.printed <= interval:
             return
         epochs = state.epoch + state.step / state.steps
+        done, losses = f"{epochs:.2f}/{state.epochs}", state.history.losses
         if state.step == 0:
-            loss = state.history.losses[state.name][-1]
-            done = f"{state.epoch}/{state.epochs}: loss {loss:.5f}"
-        else:
-            done = f"{epochs:.2f}/{state.epochs}"
+            done = f"{state.epoch}/{state.epochs}: loss {losses[state.name][-1]:.5f}"
+            done += "".join(f", {HELD_OUT} {error:.2f}" for error in losses.get(HELD_OUT, [])[-1:])
         elapsed = state.history.seconds[state.name]
         left = elapsed * (state.epochs / epochs - 1)
         times = f"{elapsed:.0f} s elapsed, {left:.0f} s left"
         line = f"{self.training}{state.name}, epoch {done}, {times}"
-        print(line, file=sys.stderr, flush=True)
+        if self.columns:
+            is_last = state.epoch == state.epochs
+            line = "\r" + line[: self.columns].ljust(self.columns) + "\n" * is_last
+        print(line, end="" if self.columns else "\n", file=sys.stderr, flush=True)
         self.printed = time.monotonic()

@@ -10,6 +10,8 @@ from numpy_cae.errors import NumpyCaeError
 from numpy_cae.training.adam import Adam
 from numpy_cae.training.sgd import Sgd
 
+HELD_OUT = "held-out error, cm"
+"""HELD_OUT: the name in a history of the errors on takes that are not trained on, by epoch."""
 ADVICE = "a lower rate (--rate) or, in Python, a bound on the norm (`Stage.norm`) may help"
 
 

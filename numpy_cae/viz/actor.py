@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 
 import numpy as np
 
@@ -100,6 +101,15 @@ def motion_actor(
         first += 1
     kept = tuple(max(parent - first, -1) for parent in parents[first:])
     return Actor(positions[:, first:], kept, label, colour, tuple(resampled.skeleton.names[first:]))
+
+
+def side_by_side(motions: Sequence[Motion], labels: Sequence[str]) -> list[Actor]:
+    """Motions of any rigs at the rate of the first, each in a colour of its own, compared with the
+    first."""
+    colours = cycle([CORRUPTED, PROJECTED, TRUTH, PLAIN][len(motions) == 1 :])
+    drawn = zip(motions, labels, colours, strict=False)
+    actors = [motion_actor(*each, motions[0].rate) for each in drawn]
+    return [compared(actor, actors[0]) for actor in actors]
 
 
 Motions = Mapping[str, tuple[np.ndarray, str]]

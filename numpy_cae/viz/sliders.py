@@ -10,7 +10,6 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from importlib.resources import files
 from math import prod
 from string import Template
 
@@ -18,9 +17,8 @@ import numpy as np
 
 from numpy_cae.viz.actor import OTHERS, Actor
 from numpy_cae.viz.curves import Curve
-from numpy_cae.viz.viewer import deflated
+from numpy_cae.viz.viewer import Player, deflated, page_text
 
-_FOLDER = files("numpy_cae.viz") / "viewer_page"
 _LARGEST = 300_000
 """LARGEST: the page of a figure has at most this number of bytes."""
 _STEP = 0.005
@@ -50,26 +48,6 @@ class Chart:
     log: str = ""
 
 
-@dataclass(frozen=True, repr=False)
-class SliderFigure:
-    """A figure with sliders as the result of a notebook's cell, in a frame of its own."""
-
-    page: str
-    title: str
-    texts: tuple[str, ...]
-
-    def __repr__(self) -> str:
-        rows = np.unique(np.linspace(0, len(self.texts) - 1, 9).round().astype(int))
-        lines = [f"a figure with sliders: {self.title}", *(self.texts[row] for row in rows)]
-        return "\n".join(lines)
-
-    def _repr_html_(self) -> str:
-        return (
-            f'<iframe srcdoc="{escape(self.page)}" title="{escape(self.title)}" '
-            'style="width: 100%; height: 430px; border: 0"></iframe>'
-        )
-
-
 def slider_figure(
     title: str,
     controls: Mapping[str, Sequence[float]],
@@ -77,7 +55,7 @@ def slider_figure(
     texts: Sequence[str],
     rate: float = 30.0,
     start: int = 0,
-) -> SliderFigure:
+) -> Player:
     """A figure with a slider for each control, drawn in the browser from a table.
 
     Parameters
@@ -100,7 +78,7 @@ def slider_figure(
 
     Returns
     -------
-    SliderFigure
+    Player
         It shows itself in a notebook; `page` is the whole HTML page.
 
     Raises
@@ -133,15 +111,15 @@ def slider_figure(
             raise ValueError(f"{len(rows)} rows or texts for {positions} positions of the controls")
     named = [{"name": name, "values": _short(values)} for name, values in controls.items()]
     table = {"controls": named, "panels": drawn, "start": start}
-    page = Template(_FOLDER.joinpath("slider.html").read_text(encoding="utf-8")).substitute(
+    page = Template(page_text("slider.html")).substitute(
         title=escape(title),
         table=deflated(json.dumps(table).encode()),
         texts="\n".join(f"<li>{escape(text)}</li>" for text in texts),
-        script=_FOLDER.joinpath("slider.js").read_text(encoding="utf-8"),
+        script=page_text("slider.js"),
     )
     if len(page.encode()) > _LARGEST:
         raise ValueError(f"{title}: the page has {len(page.encode())} bytes, at most {_LARGEST}")
-    return SliderFigure(page, title, tuple(texts))
+    return Player(page, f"a figure with sliders: {title}", 430, tuple(texts))
 
 
 def _short(values) -> list:

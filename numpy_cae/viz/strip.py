@@ -33,38 +33,64 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
-    frames = len(actors[0].positions)
-    moments = np.unique(np.linspace(0, frames - 1, poses).round().astype(int))
-    rows = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]
-    points = np.concatenate([pose.reshape(-1, 2) for row in rows for pose in row])
-    wide = 1.12 * max(np.ptp(points[:, 0]), 0.5)
-    low, high = points[:, 1].min() - 0.12, points[:, 1].max() + 0.15
-    # A pose may extend far to one side of its middle (a press-up).
-    left = min(-0.55 * wide, points[:, 0].min() - 0.05)
-    right = max(0.55 * wide, points[:, 0].max() + 0.05) + (len(moments) - 1) * wide
+    moments = _evenly(np.arange(len(actors[0].positions)), poses)
+    rows, (left, right, low, high), wide = _side_by_side(actors, moments, azimuth)
     width = 1.25 * len(moments)
     if any(actor.label for actor in actors):  # 0.22 inches for the line above the poses
         high += 0.22 * (right - left) / width
-    # Damage can move a body up by any distance.
-    tall = width * min((high - low) / (right - left), 3.0)
+    tall = width * (high - low) / (right - left)
     figure = Figure(figsize=(width, len(actors) * tall))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
     for row, (actor, pictures) in enumerate(zip(actors, rows, strict=True)):
         axes = figure.add_subplot(len(actors), 1, row + 1)
-        for place, (frame, picture) in enumerate(zip(moments, pictures, strict=True)):
-            lines = picture + np.array([place * wide, 0.0])
-            axes.add_collection(
-                LineCollection(lines, colors=actor.colour, linewidths=2.2, capstyle="round")
-            )
-            time = f"{frame / rate:.1f} s" if rate else ""
+        for place, lines in enumerate(pictures):
+            style: dict[str, Any] = {"linewidths": 2.2, "capstyle": "round"}
+            axes.add_collection(LineCollection(lines, colors=actor.colour, **style))
+            time = f"{moments[place] / rate:.1f} s" if rate else ""
             axes.annotate(time, (place * wide, low), ha="center", va="bottom", fontsize=7)
         if actor.label:
             name: dict[str, Any] = {"fontsize": 10, "color": actor.colour, "weight": "bold"}
             axes.text(0.004, 0.99, actor.label, transform=axes.transAxes, va="top", **name)
         axes.set(xlim=(left, right), ylim=(low, high))
-        axes.set_aspect("equal")
         axes.axis("off")
     return figure
+
+
+def strip_svg(actors: list[Actor], frames: np.ndarray, poses: int = 7) -> str:
+    """A small strip for a page: poses of some frames, the motions over one another."""
+    if not len(frames):
+        return ""
+    rows, (left, right, low, high), _ = _side_by_side(actors, _evenly(frames, poses), 40.0)
+    scale = 64 / (high - low)  # pixels a metre
+    paths = ""
+    for actor, pictures in zip(actors, rows, strict=True):
+        ends = (np.concatenate(pictures) - [left, high]) * [scale, -scale]
+        path = "".join(f"M{x:.1f} {y:.1f}L{u:.1f} {v:.1f}" for (x, y), (u, v) in ends)
+        paths += f'<path d="{path}" stroke="{actor.colour}"/>'
+    return f'<svg viewBox="0 0 {(right - left) * scale:.0f} 64" aria-hidden="true">{paths}</svg>'
+
+
+def _evenly(frames: np.ndarray, number: int) -> np.ndarray:
+    return frames[np.unique(np.linspace(0, len(frames) - 1, number).round().astype(int))]
+
+
+def _side_by_side(
+    actors: list[Actor], moments: np.ndarray, azimuth: float
+) -> tuple[list[list[np.ndarray]], tuple[float, float, float, float], float]:
+    """For each motion the lines of its poses, side by side; what they cover, left, right, low and
+    high; and the distance of two poses."""
+    rows = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]
+    points = np.concatenate([pose.reshape(-1, 2) for row in rows for pose in row])
+    wide = 1.12 * max(np.ptp(points[:, 0]), 0.5)
+    # A pose may extend far to one side of its middle (a press-up).
+    left = min(-0.55 * wide, points[:, 0].min() - 0.05)
+    right = max(0.55 * wide, points[:, 0].max() + 0.05) + (len(moments) - 1) * wide
+    low, high = points[:, 1].min() - 0.12, points[:, 1].max() + 0.15
+    # Damage can move a body up by any distance.
+    high = min(high, low + 3.0 * (right - left))
+    places = [np.array([place * wide, 0.0]) for place in range(len(moments))]
+    placed = [[pose + place for pose, place in zip(row, places, strict=True)] for row in rows]
+    return placed, (left, right, low, high), wide
 
 
 def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:

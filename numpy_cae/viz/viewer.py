@@ -101,7 +101,7 @@ def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: Any)
     """The page that `save_viewer` writes; `more` are its further arguments."""
     title = title or ", ".join(actor.label for actor in actors)
     viewer = fragment(actors, rate, "whole", *more)
-    page = Template(_text("page.html"))
+    page = Template(page_text("page.html"))
     return page.substitute(title=escape(visible(title)), head=head(), viewer=viewer)
 
 
@@ -111,12 +111,12 @@ def head(**scripts: str) -> str:
 
     `scripts` are further modules, name to text, which are run after the viewer's.
     """
-    texts = {name: _text(file) for name, file in _MODULES.items()} | scripts
+    texts = {name: page_text(file) for name, file in _MODULES.items()} | scripts
     packed = {name: deflated(text.encode()) for name, text in texts.items()}
     return (
-        f"<style>{_text('viewer.css')}</style>\n"
+        f"<style>{page_text('viewer.css')}</style>\n"
         f'<script type="application/json" id="viewer-modules">{json.dumps(packed)}</script>\n'
-        f"<script>{_text('start.js')}</script>"
+        f"<script>{page_text('start.js')}</script>"
     )
 
 
@@ -154,7 +154,8 @@ def fragment(
     )
 
 
-def _text(name: str) -> str:
+def page_text(name: str) -> str:
+    """A file of the folder `viewer_page`."""
     return _FOLDER.joinpath(name).read_text(encoding="utf-8")
 
 
@@ -201,20 +202,22 @@ def deflated(values: bytes) -> str:
 
 @dataclass(frozen=True, repr=False)
 class Player:
-    """A viewer as the result of a notebook's cell, in a frame of its own."""
+    """A page as the result of a notebook's cell, in a frame of its own. The texts say in words what
+    is seen, for those who do not see it."""
 
     page: str
     label: str
     height: int
+    texts: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        return f"an animation: {self.label}"
+        rows = np.unique(np.linspace(0, len(self.texts) - 1, 9).round().astype(int))
+        return "\n".join([self.label, *(self.texts[row] for row in rows if self.texts)])
 
     def _repr_html_(self) -> str:
         return (
             f'<iframe srcdoc="{escape(self.page)}" title="{escape(self.label)}" '
-            f'style="width: 100%; height: {self.height}px; border: 0"></iframe>\n'
-            f"<p>Animation: {escape(self.label)}. It plays in Jupyter and in any browser.</p>"
+            f'style="width: 100%; height: {self.height}px; border: 0"></iframe>'
         )
 
 
@@ -233,4 +236,4 @@ def in_notebook(
         Of the frame, in pixels.
     """
     page = page_html(actors, rate, "", bool(findings), findings)
-    return Player(page, ", ".join(actor.label for actor in actors), height)
+    return Player(page, f"an animation: {', '.join(actor.label for actor in actors)}", height)

@@ -39,7 +39,7 @@ def test_samples_of_both_priors_are_written_to_one_file_each(folder, model, tmp_
     assert set(made.skeleton.names) == set(JOINTS)
     assert len(made) == 45
     like = folder / "press_ups.bvh"
-    argv = ["sample", "-m", model, "--prior", "uniform", "-o", tmp_path / "b.bvh", "--number", 2]
+    argv = ["sample", "-m", model, "-o", tmp_path / "b.bvh", "--number", 2]
     run(*argv, "--seconds", 1, "--like", like, "--html")
     for name in ("b_1.bvh", "b_2.bvh"):
         made = load_motion(tmp_path / name)

@@ -107,8 +107,9 @@ def takes(tmp_path_factory):
 def test_repair_of_a_folder_lists_what_could_not_be_used(takes, tmp_path, capsys, run):
     out = tmp_path / "out"
     run("repair", takes, "-o", out, "--html", "--findings", out / "found")
-    assert "left_elbow" in capsys.readouterr().out
-    assert {path.name for path in out.rglob("*.html")} == {"spike.html"}
+    assert "spike.bvh: 2 findings, 0.0 of 3.0 s changed" in capsys.readouterr().out
+    assert {path.name for path in out.rglob("*.html")} == {"spike.html", "index.html"}
+    assert 'href="more/spike.html">spike.bvh</a>' in (out / "index.html").read_text("utf-8")
     before, after = (load_motion(each / "more" / "spike.bvh") for each in (takes, out))
     assert changed_joints(before, after)[40, before.skeleton.index("lradius")]
 

@@ -35,7 +35,7 @@ def test_it_needs_no_network_and_says_in_words_what_it_draws():
     assert "http" not in figure.page.replace("http://www.w3.org/2000/svg", "")
     assert "<title>a &amp; b</title>" in figure.page and "<li>slope 4, row 5</li>" in figure.page
     assert repr(figure).splitlines()[1] == "slope 1, row 0"
-    assert 'title="a &amp; b"' in figure._repr_html_()
+    assert 'a figure with sliders: a &amp; b"' in figure._repr_html_()
 
 
 @pytest.mark.parametrize("width", [1000, 390], ids=["desktop", "phone"])

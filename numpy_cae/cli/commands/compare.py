@@ -7,7 +7,6 @@ example, with the files that `numpy-cae demo` writes:
 
 import argparse
 import csv
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +14,8 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.takes import usable_bodies
+from numpy_cae.cli.shared.targets import named_files
 from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
-from numpy_cae.mocap import find_motion_files
 from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
 
@@ -51,7 +50,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list[str], np.ndarray]:
     """The names of the motions that can be used, and G between every two."""
-    name_of = _names(args.motions)
+    below = named_files(args.motions)
+    is_unique = len(set(below.values())) == len(below)
+    name_of = {path: name.as_posix() if is_unique else str(path) for path, name in below.items()}
     names, signatures = [], []
     for body in usable_bodies(list(name_of), *arguments.reading(args), strict=len(name_of) == 2):
         names.append(visible(name_of[body.path]))
@@ -60,18 +61,6 @@ def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list
     if len(names) < 2:
         raise ValueError(f"{names[0]}: one motion alone, name another to compare it with")
     return names, distance_matrix(signatures)
-
-
-def _names(motions: Sequence[Path]) -> dict[Path, str]:
-    """A unique name of every motion file: its path below its folder, or its whole path."""
-    names = {}
-    for motion in motions:
-        folder, paths = motion.parent, [motion]
-        if motion.is_dir():
-            folder, paths = motion, find_motion_files(motion)
-        names |= {path: path.relative_to(folder).as_posix() for path in paths}
-    unique = len(set(names.values())) == len(names)
-    return names if unique else {path: str(path) for path in names}
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:

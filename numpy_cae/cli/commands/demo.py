@@ -12,12 +12,23 @@ import numpy as np
 
 from data_synth import make_take
 from numpy_cae.cli.shared import arguments
+from numpy_cae.evaluation.half_removed import NOTE, P, half_removed
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import body_of, write_bvh
 from numpy_cae.motion import RATE
 from numpy_cae.motion.quaternions import from_vector, product
 from numpy_cae.repair import repair
 from numpy_cae.training import ProgressPrinter, recipe, zero_values
+from numpy_cae.viz import (
+    CORRUPTED,
+    PROJECTED,
+    TRUTH,
+    motion_actor,
+    save_figure,
+    save_viewer,
+    strip_figure,
+)
+from numpy_cae.viz.actor import local_actors
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
 TAKES, SECONDS, TEST_EVERY = 96, 8.0, 6
@@ -51,8 +62,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _repair_a_walk(folder: Path, seed: int) -> None:
     """Damage a walk, repair it with the starter model, and write a page to look at."""
-    from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH, motion_actor, save_viewer
-
     true = make_take("walk", seed, seconds=5.0, rate=RATE).motion
     rotations = true.rotations.copy()
     for joint, vector, frames in DAMAGE:
@@ -85,8 +94,6 @@ def _repair_a_walk(folder: Path, seed: int) -> None:
 
 def _train(folder: Path, seed: int, show_progress: bool) -> None:
     """Train a network, print the table of errors, and draw figure 1."""
-    from numpy_cae.evaluation.half_removed import NOTE, half_removed
-
     training: list[np.ndarray] = []
     testing: list[np.ndarray] = []
     for number in range(TAKES):
@@ -98,37 +105,21 @@ def _train(folder: Path, seed: int, show_progress: bool) -> None:
     manifold = learn_manifold(training, SCHEDULE, seed, report=report)
     manifold.save(folder / "model.npz")
     print(f"\n{half_removed(manifold, training, testing, seed).text()}\n\n{NOTE}\n")
-    _draw_figure_1(folder, manifold, testing, seed)
+    _draw_figure_1(folder, manifold, testing[0], seed)
     print(
-        f"{folder}/figure_1.png and .html: orange lost half of its values, blue is its projection "
-        f"by the network, green is the true motion\n{folder}/model.npz: the network, for "
-        "`numpy-cae repair -m` and other commands"
+        f"{folder}/figure_1.png: orange lost half of its values, blue is its projection by the "
+        f"network\n{folder}/model.npz: the network, for `numpy-cae repair -m` and other commands"
     )
 
 
-def _draw_figure_1(
-    folder: Path, manifold: MotionManifold, takes: list[np.ndarray], seed: int
-) -> None:
-    """Draw the typical test take with half of its values removed, projected, and in truth. The
-    typical take is that whose distance from the mean pose is the median of all."""
-    from numpy_cae import viz
-    from numpy_cae.evaluation import position_error
-    from numpy_cae.evaluation.half_removed import P
-    from numpy_cae.viz.actor import local_actors, world_actors
-
-    clips = [manifold.features(take)[0] for take in takes]
-    clips.sort(key=lambda x: position_error(np.broadcast_to(manifold.mean_pose, x.shape), x))
-    truth = clips[len(clips) // 2]
+def _draw_figure_1(folder: Path, manifold: MotionManifold, take: np.ndarray, seed: int) -> None:
+    """Draw a test take with half of its values removed, projected, and in truth."""
+    truth = manifold.features(take)[0]
     zeroed = zero_values(manifold.normalise(truth), P, np.random.default_rng(seed))
     corrupted = manifold.denormalise(zeroed)
-    drawn = {"corrupted": (corrupted, viz.CORRUPTED)}
-    drawn["projected"] = manifold.project(corrupted), viz.PROJECTED
     motions = {
-        f"{name}, {position_error(x, truth):.1f} cm off in pose": (x, colour)
-        for name, (x, colour) in drawn.items()
+        "half of the values removed": (corrupted, CORRUPTED),
+        "projected": (manifold.project(corrupted), PROJECTED),
+        "truth": (truth, TRUTH),
     }
-    motions["truth"] = truth, viz.TRUTH
-    figure = viz.strip_figure(local_actors(motions), manifold.rate, azimuth=55.0)
-    viz.save_figure(figure, folder / "figure_1.png")
-    page = folder / "figure_1.html"
-    viz.save_viewer(world_actors(motions), page, manifold.rate, "half of the values removed")
+    save_figure(strip_figure(local_actors(motions), RATE, azimuth=55.0), folder / "figure_1.png")

@@ -20,10 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("database", choices=["cmu"], help="name of the database")
     some = "numbers of the subjects to download (default: all, one archive of over a gigabyte)"
     add("--subjects", type=_subjects, metavar="N,N,…", help=some)
-    output = "folder for the files, created if it does not exist"
-    add("-o", "--output", **arguments.FOLDER, required=True, help=output)
-    site = f"address of the site or of a mirror (default: {SITE})"
-    add("--site", default=SITE, metavar="URL", help=site)
+    add("-o", "--output", **arguments.FOLDER, required=True, help="folder for the files")
+    add("--site", default=SITE, metavar="URL", help=f"address of a mirror (default: {SITE})")
     arguments.add_shared(parser, "quiet")
 
 

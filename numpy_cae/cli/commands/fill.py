@@ -11,7 +11,8 @@ import argparse
 
 from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
 from numpy_cae.manifold import keyframe_mask
-from numpy_cae.repair import fill_motion
+from numpy_cae.motion import Motion
+from numpy_cae.repair import Repaired, fill_motion
 from numpy_cae.repair.interpolated import missing_joints
 
 
@@ -28,16 +29,12 @@ def run(args: argparse.Namespace) -> int:
     if damage_options.is_chosen(args) == bool(args.keyframes):
         raise ValueError("say what is missing: --joint, --limb, --frames, --mask or --keyframes")
     manifold = one_motion.load_model(args)
-    changed = change_files.ChangedFiles(args)
-    for source, target in changed.files():
-        with changed.reported(source):
-            motion = changed.load(source)
-            findings = damage_options.chosen_findings(args, motion)
-            if findings is None:
-                missing = keyframe_mask(len(motion), args.keyframes)
-            else:
-                accepted = [finding for finding in findings if finding.status == "repaired"]
-                missing = missing_joints(motion, accepted)
-            filled = fill_motion(motion, manifold, missing)
-            changed.write(motion, filled, target)
-    return changed.status()
+
+    def fill(motion: Motion) -> Repaired:
+        findings = damage_options.chosen_findings(args, motion)
+        if findings is None:
+            return fill_motion(motion, manifold, keyframe_mask(len(motion), args.keyframes))
+        accepted = [finding for finding in findings if finding.status == "repaired"]
+        return fill_motion(motion, manifold, missing_joints(motion, accepted))
+
+    return change_files.change_files(args, fill)

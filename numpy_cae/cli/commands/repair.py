@@ -25,7 +25,6 @@ from numpy_cae.cli.shared import arguments, change_files, damage_options, one_mo
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import Motion
 from numpy_cae.repair import PRESETS, Finding, Preset, Repaired, project_motion, repair
-from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.repair.repaired import count, distances
 
 
@@ -33,8 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, what is damaged and how it is repaired."""
     change_files.add_arguments(parser)
     group = damage_options.add_arguments(parser, "damaged", "found in the motion")
-    findings = "write what was found to a JSON file (for several motions into a folder of this "
-    findings += "name); corrected, it is passed back as --mask"
+    findings = "JSON file (of several motions a folder) for the findings, to be passed as --mask"
     group.add_argument("--findings", type=Path, metavar="JSON", help=findings)
     sensitivity = "0 to 1: mend what has a confidence of at least 1 - S (default: 0.5)"
     group.add_argument("--sensitivity", type=arguments.fraction, metavar="S", help=sensitivity)
@@ -43,10 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--from", dest="source", choices=list(PRESETS), help=f"where the motion is from. {source}")
     add("--smooth", **arguments.FLAG, help="also remove jitter from the whole motion")
     add("--feet", **arguments.FLAG, help="also hold feet that stand still, on the floor")
-    project = "project the whole motion onto the manifold instead, as holden2015 does"
-    add("--project", **arguments.FLAG, help=project)
-    only = "write the repair of these findings only, by their numbers in the printed list and on "
-    only += "the page; the rest of the file is unchanged"
+    add("--project", **arguments.FLAG, help="project the whole motion onto the manifold instead")
+    only = "repair these findings only, by their numbers in the printed list and on the page"
     add("--only", nargs="+", type=arguments.positive_number, metavar="N", help=only)
 
 
@@ -58,21 +54,17 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"--project changes the whole motion: use it without {what}")
     if args.source:
         print(f"--from {args.source}: {preset}")
-    changed = change_files.ChangedFiles(args)
-    for source, target in changed.files():
-        with changed.reported(source):
-            motion = changed.load(source)
-            if args.project:
-                changed.write(motion, _projected(motion, manifold), target)
-                continue
-            findings = damage_options.chosen_findings(args, motion)
-            repaired = repair(motion, manifold, preset=preset, findings=findings)
-            if args.only:
-                repaired = repair(motion, manifold, findings=_only(args.only, repaired))
-            changed.write(motion, repaired, target)
-            if findings is None and preset == Preset() and (name := fitting_preset(motion)):
-                print(f"  this motion looks like one for --from {name}: {PRESETS[name]}")
-    return changed.status()
+
+    def mend(motion: Motion) -> Repaired:
+        if args.project:
+            return _projected(motion, manifold)
+        findings = damage_options.chosen_findings(args, motion)
+        repaired = repair(motion, manifold, preset=preset, findings=findings)
+        if args.only:
+            return repair(motion, manifold, findings=_only(args.only, repaired))
+        return repaired
+
+    return change_files.change_files(args, mend)
 
 
 def _preset(args: argparse.Namespace) -> Preset:

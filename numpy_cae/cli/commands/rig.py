@@ -23,8 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The file, the mapping to write and how the file is read."""
     add = parser.add_argument
     add("file", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
-    output = "JSON file to write: our joint names and the rig's"
-    add("-o", "--output", type=Path, metavar="JSON", help=output)
+    add("-o", "--output", type=Path, metavar="JSON", help="file to write: our names, the rig's")
     arguments.add_shared(parser, "mapping unit up floor")
 
 

@@ -1,6 +1,6 @@
-"""Draw new motions from a learned manifold and write them as BVH. The fitted prior mixes similar
-windows of the motions in --data; the uniform prior needs no data, but its samples hardly resemble
-motion. A sequential model draws clips of its own length from its own prior.
+"""Draw new motions from a learned manifold and write them as BVH. The prior mixes similar windows
+of the motions in --data; without --data it is uniform, and its samples hardly resemble motion. A
+sequential model draws clips of its own length from its own prior.
 
 example, with the files that `numpy-cae demo` writes:
   numpy-cae sample --data demo/ -o new.bvh --number 3 --like demo/true.bvh --html
@@ -12,9 +12,10 @@ import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.takes import usable_bodies
+from numpy_cae.cli.shared.targets import named_files
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.mocap import body_of, find_motion_files, load_body
+from numpy_cae.mocap import body_of, load_body
 from numpy_cae.mocap.formats.write import require_bvh
 from numpy_cae.mocap.retarget.body import Body, hold_first_pose
 from numpy_cae.motion import Motion, features_to_positions
@@ -31,10 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     one_motion.add_model_arguments(parser)
     add = parser.add_argument
     add("--data", **arguments.FOLDERS, help="folders of motions that the prior is fitted to")
-    priors = ("fitted", "uniform")
-    add("--prior", choices=priors, default="fitted", help="prior (default: fitted)")
-    number = "number of motions, written as new_1.bvh, new_2.bvh, … (default: 1)"
-    add("--number", **arguments.COUNT, default=1, help=number)
+    add("--number", **arguments.COUNT, default=1, help="number of motions (default: 1)")
     add("--seconds", type=arguments.positive, help=f"length of each motion (default: {SECONDS:g})")
     add("--like", **arguments.FILE, help="motion file whose rig, rate and unit are used")
     arguments.add_shared(parser, "seed")
@@ -69,12 +67,9 @@ def _draw(
 ) -> list[Motion]:
     """Draw motions from a convolutional model, in the rig of --like if given."""
     reading = arguments.reading(args)
-    prior = None
-    if args.prior == "fitted":
-        if not args.data:
-            raise ValueError("the fitted prior requires motions in --data; or use --prior uniform")
-        files = [path for folder in args.data for path in find_motion_files(folder)]
-        bodies = usable_bodies(files, *reading)
+    prior = None  # uniform
+    if args.data:
+        bodies = usable_bodies(list(named_files(args.data)), *reading)
         encoded = [manifold.features(body.positions)[0] for body in bodies]
         prior = NeighbourPrior(encode_windows(manifold, encoded))
     frames = max(1, round((args.seconds or SECONDS) * manifold.rate))

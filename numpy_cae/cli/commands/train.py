@@ -16,6 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from numpy_cae import viz
 from numpy_cae.cli.shared import arguments, train_options
 from numpy_cae.cli.shared.output import note, require_place
 from numpy_cae.cli.shared.takes import each_usable, minutes_of, read_takes
@@ -35,19 +36,16 @@ MEASURES = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the model, the recipe and what replaces parts of it."""
     add = parser.add_argument
-    folders = "folders of motion files, searched with their subfolders"
-    add("folders", **arguments.FOLDERS, help=folders)
+    add("folders", **arguments.FOLDERS, help="folders of motion files, searched with subfolders")
     add("-o", "--output", type=Path, required=True, help="model file to write, .npz")
-    test = "names of the files to test on; they are not trained on"
-    add("--test", **arguments.PATTERNS, help=test)
+    add("--test", **arguments.PATTERNS, help="names of the files to test on and not to train on")
     models = ("convolutional", "sequential")
     model = f"network of holden2015 or, for one action, of jang2018 (default: {models[0]})"
     add("--model", choices=models, default=models[0], help=model)
     add("--recipe", choices=train_options.RECIPES, default="paper", help="recipe (default: paper)")
     engine = "code that computes the gradients: `fast`, or the definitions in `ops` (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
-    resume = "continue an interrupted run from MODEL.checkpoint.npz; the result is identical"
-    add("--resume", **arguments.FLAG, help=resume)
+    add("--resume", **arguments.FLAG, help="continue an interrupted run; the result is identical")
     arguments.add_shared(parser, "seed quiet mapping unit up floor")
     train_options.add_options(parser, "training", train_options.COMMON)
     train_options.add_options(parser, "convolutional model", train_options.CONVOLUTIONAL)
@@ -77,13 +75,23 @@ def run(args: argparse.Namespace) -> int:
         manifold.settings["test"] = args.test
         manifold.save(args.output, **{"half": True} if args.recipe == "starter" else {})
         checkpoint.remove()
-    text = f"{args.output}: learned from {source}"
+    picture = args.output.with_suffix(".png")
+    _draw_losses(manifold.settings["losses"], picture)
+    text = f"{picture}: loss by epoch\n{args.output}: learned from {source}"
     try:
         text += f"\n\n{measure()}" if args.test else "; no error is measured without --test"
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"{args.output} is complete, but not measured") from None
     print(text)
     return 0
+
+
+def _draw_losses(losses: dict[str, list[float]], path: Path) -> None:
+    """Draw the loss of each stage, and the error on test takes."""
+    curves = [viz.Curve(range(1, len(values) + 1), values, name) for name, values in losses.items()]
+    figure = viz.curves_figure(curves, "epoch", "loss; error in cm")
+    figure.axes[0].set_yscale("log")
+    viz.save_figure(figure, path)
 
 
 Learned = tuple[Any, str, Callable[[], str]]
@@ -99,7 +107,7 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
     paths = [path for group in files.values() for path in group]
     training, testing = read_takes(paths, *arguments.reading(args), args.test)
     settings |= {"mirror": args.recipe in train_options.MIRRORED}
-    settings |= train_options.given(args, *train_options.CONVOLUTIONAL)
+    settings |= {"testing": testing} | train_options.given(args, *train_options.CONVOLUTIONAL)
     manifold = learn_manifold(training, train_options.schedule_of(args), **settings)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(group)}

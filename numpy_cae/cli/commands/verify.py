@@ -46,29 +46,20 @@ from numpy_cae.cli.shared import arguments
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the names of functions and the limits."""
     add = parser.add_argument
-    files = "a Python file, a lesson's notebook, or a folder or zip file of these"
-    add("files", **arguments.FILE, nargs="+", help=files)
+    file = dict(arguments.FILE)
+    add("files", **file, nargs="+", help="Python files, notebooks of lessons, folders or zip files")
     named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
-    renamed = "test a function with another name as this operation"
-    add("--as", **named, metavar="OPERATION=FUNCTION", help=renamed)
-    lesson = "the assignment: all exercises of this lesson count (default: that of the file)"
-    add("--lesson", default="", metavar="NN", help=lesson)
-    others = "accept other documented conventions, such as the gates of a GRU in another order"
-    add("--any-convention", action="store_true", help=others)
-    seconds = "limit of the time for one file (default: 120 s)"
-    add("--time-limit", type=arguments.positive, default=120.0, metavar="SECONDS", help=seconds)
-    memory = "limit of the memory for one file, enforced on Linux (default: 2048 MB)"
-    add("--memory-limit", type=arguments.positive, default=2048.0, metavar="MB", help=memory)
-    marks = "write a table of marks, a row for each student, and statistics of the class"
-    add("--csv", type=Path, metavar="FILE", help=marks)
-    everyone = "a CSV file with a row for each student, as Moodle or Canvas export it (with --csv)"
-    add("--roster", type=Path, metavar="FILE", help=everyone)
-    late = "a list of those who were late, one a line; Canvas's LATE is noted without it"
-    add("--late", type=Path, metavar="FILE", help=late)
-    alike = "list pairs of submissions that are alike after renaming, which proves nothing"
-    add("--similar", **arguments.FLAG, help=alike)
-    feedback = "write the reports of each student to a Markdown file in this folder"
-    add("--feedback", **arguments.FOLDER, help=feedback)
+    add("--as", **named, metavar="OPERATION=FUNCTION", help="test a function of another name")
+    add("--lesson", default="", metavar="NN", help="lesson of the exercises (default: the file's)")
+    add("--any-convention", **arguments.FLAG, help="accept other documented conventions")
+    for name, unit, most in (("time", "SECONDS", 120.0), ("memory", "MB", 2048.0)):
+        limit = {"type": arguments.positive, "default": most, "metavar": unit}
+        add(f"--{name}-limit", **limit, help=f"{name} for one file at most (default: {most:g})")
+    add("--csv", **file, help="table of marks to write, a row for each student, with statistics")
+    add("--roster", **file, help="table of the students, from Moodle or Canvas (with --csv)")
+    add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")
+    add("--similar", **arguments.FLAG, help="list pairs that are alike, which proves nothing")
+    add("--feedback", **arguments.FOLDER, help="write each student's reports to this folder")
     add("--json", **arguments.FLAG, help="print JSON instead of text")
 
 
@@ -107,7 +98,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
         made = pool.map(graded_file, files)
-        graded = list(with_progress(made, len(files), "files graded"))
+        graded = list(with_progress(made, len(files), "files"))
     if args.json:
         print(json.dumps([report.as_json() for report in graded], indent=1))
     elif args.csv or args.feedback:

@@ -10,16 +10,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from numpy_cae.cli.shared import arguments
 from numpy_cae.mocap import MotionFileError
 from numpy_cae.mocap.retarget.to_rig import moves_alone
 from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
-from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.motion.joints import LIMBS
 from numpy_cae.repair import Finding
-from numpy_cae.repair.finding import marked, usable
+from numpy_cae.repair.finding import BODY, usable
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 
@@ -59,21 +57,19 @@ def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] |
         return None
     findings = []
     if args.joint or args.limb or args.frames:
-        findings += marked(_mask(args.joint, args.limb, args.frames, motion))
+        findings += _marked(motion, args.joint, args.limb, args.frames)
     for number, entry in enumerate(_entries(args.mask) if args.mask else (), start=1):
         try:
-            if isinstance(entry, dict) and "kind" in entry:
-                findings.append(usable(motion, Finding.from_json(entry)))
-            else:
-                findings += marked(_mask(*_parts(entry), motion))
+            findings += _findings_of(entry, motion)
         except ValueError as error:
             raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
     return findings
 
 
-def _mask(
-    joints: list[str], limbs: list[str], frames: list[int] | None, motion: Motion
-) -> np.ndarray:
+def _marked(
+    motion: Motion, joints: list[str], limbs: list[str], frames: list[int] | None
+) -> list[Finding]:
+    """A finding for each joint that is named or in a limb, or for the whole body."""
     chosen = [JOINTS[joint_index(name, motion)] for name in joints]
     if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0]):
         raise ValueError(f"{chosen[0]} is fixed to other joints, of which none is named")
@@ -85,7 +81,7 @@ def _mask(
     if not 0 <= first <= last < len(motion):
         after = "the first is after the last and " if first > last else ""
         raise ValueError(f"frames {first} to {last}, {after}the motion has 0 to {len(motion) - 1}")
-    return joint_mask(len(motion), chosen or JOINTS, slice(first, last + 1))
+    return [Finding(joint, (first, last)) for joint in dict.fromkeys(chosen) or [BODY]]
 
 
 def _entries(path: Path) -> list:
@@ -112,15 +108,18 @@ def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return entry
 
 
-def _parts(entry: Any) -> tuple[list[str], list[str], list[int] | None]:
-    """The joints, the limbs and the frames of an entry of a mask file."""
-    if isinstance(entry, dict):
-        match {"joint": None, "limb": None, "frames": None} | entry:
-            case {
-                "joint": None | str() as joint,
-                "limb": None | str() as limb,
-                "frames": None | [int(), int()] as frames,
-                **others,
-            } if not others:
-                return [joint] if joint else [], [limb] if limb else [], frames
+def _findings_of(entry: Any, motion: Motion) -> list[Finding]:
+    """What an entry of a mask file says."""
+    if isinstance(entry, dict) and "kind" in entry:
+        return [usable(motion, Finding.from_json(entry))]
+    match (
+        {"joint": None, "limb": None, "frames": None} | entry if isinstance(entry, dict) else entry
+    ):
+        case {
+            "joint": None | str() as joint,
+            "limb": None | str() as limb,
+            "frames": None | [int(), int()] as frames,
+            **others,
+        } if not others:
+            return _marked(motion, [joint] if joint else [], [limb] if limb else [], frames)
     raise ValueError(f"expected one such as in {EXAMPLE}")

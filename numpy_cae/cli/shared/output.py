@@ -8,7 +8,7 @@ import tempfile
 import textwrap
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
@@ -73,33 +73,18 @@ def visible_output() -> Iterator[None]:
         sys.stdout, sys.stderr = before
 
 
-def require_one_target_each(targets: Mapping[Path, Path]) -> None:
-    """Raise ValueError if two sources would be written to one file."""
-    sources: dict[Path, Path] = {}
-    for source, target in targets.items():
-        other = sources.setdefault(target, source)
-        if other != source:
-            problem = f"{source} and {other} would both be written to {target}"
-            raise ValueError(f"{problem}: give their folder, or write them to different folders")
-
-
 def note(text: str) -> None:
     """Print a message on standard error, which keeps standard output for results."""
     print(text, file=sys.stderr, flush=True)
 
 
-def with_progress(items: Iterable[Item], count: int, done: str) -> Iterator[Item]:
-    """Yield the items. After two seconds, and then every five seconds, print how many are `done`
-    ("files read") and the remaining time."""
-    begun = time.monotonic()
-    due = begun + 2
-    for number, item in enumerate(items):
-        now = time.monotonic()
-        if number and now > due:
-            left = (now - begun) / number * (count - number)
-            note(f"{number} of {count} {done}, {left:.0f} s to go")
-            due = now + 5
-        yield item
+def with_progress(items: Iterable[Item], count: int, name: str) -> Iterator[Item]:
+    """Yield the items; `working` prints the time, with the number and the name of the items."""
+    with working(f"{count} {name}") as is_done:
+        for number, item in enumerate(items):
+            if number:
+                is_done(number / count)
+            yield item
 
 
 @contextmanager

@@ -1,0 +1,107 @@
+"""The pages of `repair` and `fill`: before and after of one file, and an index of several."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from shlex import quote
+from typing import NamedTuple
+
+import numpy as np
+
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion import Motion
+from numpy_cae.repair import Repaired
+from numpy_cae.repair.repaired import count
+from numpy_cae.repair.summary import Measures
+from numpy_cae.viz import before_and_after, save_index, save_viewer, strip_svg
+
+NOT_REPEATED = "command run files output dry_run overwrite html findings only".split()
+"""NOT_REPEATED: what the command of one finding does not repeat."""
+
+
+class Row(NamedTuple):
+    """What became of one file, for its line in the terminal and its row in the index.
+
+    The numbers are: findings, seconds that were changed, seconds, jumps before and after.
+    """
+
+    source: Path
+    numbers: tuple[float, ...]
+    status: int
+    page: Path | None = None
+    strip: str = ""
+
+
+def numbers_of(repaired: Repaired, values: Measures) -> tuple[float, ...]:
+    """The numbers of a row."""
+    motion = repaired.motion
+    changed = np.count_nonzero(repaired.touched.any(axis=1)) / motion.rate
+    return (len(repaired.findings), changed, motion.seconds, *values[0][1:])
+
+
+def in_words(numbers: tuple[float, ...]) -> str:
+    """The numbers of a row, or the sums of several."""
+    findings, changed, seconds, before, after = numbers
+    return (
+        f"{count(int(findings), 'finding')}, {changed:.1f} of {seconds:.1f} s changed, "
+        f"jumps {before:.0f} → {after:.0f}"
+    )
+
+
+def write_page(
+    args: argparse.Namespace,
+    files: tuple[Path, Path],
+    motion: Motion,
+    repaired: Repaired,
+    said: list[str],
+    values: Measures,
+) -> str:
+    """Write the page of two files, the source and the target; the strip of the index's row."""
+    source, target = files
+    title = f"{source.name}: before and after"
+    command = _command(args, source, target) if args.command == "repair" else ""
+    actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
+    entries = [finding.to_json() for finding in repaired.listed()]
+    save_viewer(
+        actors,
+        target.with_suffix(".html"),
+        motion.rate,
+        title,
+        True,
+        entries,
+        command,
+        said,
+        values,
+    )
+    changed = np.flatnonzero(repaired.touched.any(axis=1)) + len(motion) - len(repaired.motion)
+    return strip_svg(actors, changed)
+
+
+def write_index(folder: Path, rows: Sequence[Row]) -> Path:
+    """Write the page that lists all files, those with most findings first."""
+    page = folder / "index.html"
+    cells = []
+    for row in sorted(rows, key=lambda row: row.numbers, reverse=True):
+        link = row.page and row.page.relative_to(folder).as_posix()
+        cells.append((row.source.name, link, row.strip, in_words(row.numbers).split(", ")))
+    save_index(page, f"{count(len(rows), 'file')}: before and after", cells)
+    return page
+
+
+def _command(args: argparse.Namespace, source: Path, target: Path) -> str:
+    """This command for one file, into a file of its own, with every option that changes the
+    result; the page writes the number of a finding in its name, and adds --only."""
+    own = target.with_stem(f"{target.stem}_finding_0")
+    words = ["numpy-cae", "repair", source, "-o", own]
+    for name, value in vars(args).items():
+        if name in NOT_REPEATED or value in (None, False, []):
+            continue
+        option = "--from" if name == "source" else f"--{name}"
+        each = value if isinstance(value, list) else [value]
+        if value is True:
+            words.append(option)
+        elif len(each) > 1 and name != "mapping":
+            words += [option, *each]
+        else:  # --mapping is repeated
+            words += [f"{option}={one}" for one in each]
+    return " ".join(quote(str(word)) for word in words)
