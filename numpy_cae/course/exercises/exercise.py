@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 
-from numpy_cae import course, ops
+from numpy_cae import ops
 from numpy_cae.course.exercises.arguments import Arguments, drawn
 from numpy_cae.course.exercises.checks import CHECKS, Check, on_copies, purity, same_as
 from numpy_cae.course.exercises.differentiated import AGREES, Differentiated
@@ -23,13 +23,14 @@ from numpy_cae.verify.operations.operation import OPERATIONS, Operation
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
+SOLUTIONS = "numpy_cae.course.solutions"
 FLOAT32 = {"states": "float32 stays float32", "form": True}
 PURE = {"states": "no argument is changed", "form": True}
 
 
 def exercises_of(number: str) -> tuple[Exercise, ...]:
     """The exercises of a lesson."""
-    solutions = import_module(f"{course.__name__}.solutions.lesson_{number}")
+    solutions = import_module(f"{SOLUTIONS}.lesson_{number}")
     has_module = (FOLDER / f"lesson_{number}.py").exists()
     special = vars(import_module(f"{__package__}.lesson_{number}")) if has_module else {}
     every = []

@@ -98,7 +98,8 @@ def _steps_descend(train_layer, case, **given):
     pairs = weights if isinstance(weights, tuple | list) else ()
     if [isinstance(pair, tuple | list) for pair in pairs] != [True] * len(epochs):
         raise AssertionError("weights has to be a list with (w, b) for each epoch")
-    w, b = given["w"], given["b"]
+    w = given["w"]
+    b = given["b"]
     for number, calls in enumerate(epochs):
         for _, _, w_before, b_before, _, dw, db in calls:
             names = (f"w in epoch {number}", f"b in epoch {number}")

@@ -55,7 +55,8 @@ def _checked_matrices(returned: object, taps: int, frames: int) -> list[np.ndarr
 def _convolves(function, case, taps, frames):
     a, g, c = _checked_matrices(function(taps, frames), taps, frames)
     rng = case.rng()
-    x, w = spread(rng, (frames + taps - 1,)), spread(rng, (taps,))
+    x = spread(rng, (frames + taps - 1,))
+    w = spread(rng, (taps,))
     sums = [sum(x[t + k] * w[k] for k in range(taps)) for t in range(frames)]
     require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), np.array(sums))
 
@@ -78,7 +79,8 @@ def _part_of_the_sum(function, case, frequency, taps, frames):
     points = frames + taps - 1
     a, g, c = _checked_matrices(function(frequency, taps, frames), taps, frames)
     rng = case.rng()
-    x, w = spread(rng, (points,)), spread(rng, (taps,))
+    x = spread(rng, (points,))
+    w = spread(rng, (taps,))
     spectrum = np.fft.fft(x) * np.conj(np.fft.fft(w, points))
     spectrum[[f for f in range(points) if f not in (frequency, points - frequency)]] = 0
     expected = np.fft.ifft(spectrum).real[:frames]
