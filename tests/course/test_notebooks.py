@@ -5,6 +5,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from test_grading_and_marks import DATA
 
 from numpy_cae.cli import main
 from numpy_cae.course.copies import student_copy
@@ -14,14 +15,13 @@ LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
 HEAD = 'def double(x):\n    """Twice x."""\n    '
 
 
-def a_lesson(solution="### BEGIN SOLUTION\n    return 2 * x\n    ### END SOLUTION", marked=True):
-    marks = {"nbgrader": {"solution": True, "grade_id": "double"}} if marked else {}
-    cell = {"cell_type": "code", "id": "double", "metadata": marks, "source": HEAD + solution}
-    hello = {"output_type": "stream", "name": "stdout", "text": "hello"}
-    cell |= {"outputs": [hello], "execution_count": 3}
-    title = {"cell_type": "markdown", "id": "title", "metadata": {}, "source": "# Title\n\nText"}
-    metadata = {"numpy_cae": {"source_hash": "x"}}
-    return {"cells": [title, cell], "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
+def a_lesson(solution: str = "", marked: bool = True) -> dict:
+    """A lesson with one exercise, with another solution or without the exercise's marks."""
+    lesson = json.loads(Path(__file__).with_name("double.json").read_text("utf-8"))
+    exercise = lesson["cells"][1]
+    exercise["source"] = HEAD + solution if solution else exercise["source"]
+    exercise["metadata"] = exercise["metadata"] if marked else {}
+    return lesson
 
 
 @pytest.mark.parametrize(
@@ -53,15 +53,7 @@ def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys)
     assert "import numpy as np" in (student / "mine.py").read_text()
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--only", "03"], "give a folder for students or --release"),
-        (["--release", "week.zip", "03", "77"], "no lesson 77 in"),
-        (["student", "--from", "nowhere"], "no lessons in nowhere"),
-        (["{here}", "--from", "{here}"], "name another folder"),
-    ],
-)
+@pytest.mark.parametrize(("words", "said"), DATA["commands"])
 def test_what_the_command_cannot_do_is_said_in_a_line(words, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_notebook(a_lesson(), tmp_path / "01_double.ipynb")
