@@ -107,9 +107,11 @@ def off_cubic(x: np.ndarray) -> np.ndarray:
 def curves_of(motion: Motion) -> Iterator[Curve]:
     """The curves of a motion that change: rotations of joints that move others, or are among the
     twenty, then translations of all."""
-    skeleton, size = motion.skeleton, body_size(motion)
+    skeleton = motion.skeleton
+    size = body_size(motion)
     levers = levers_of(skeleton)
-    rig, names = rig_of(motion), joint_names(motion)
+    rig = rig_of(motion)
+    names = joint_names(motion)
     root = skeleton.path(rig.joints[0])
     for values in (motion.rotations, motion.translations):
         # One pass over all joints: a pass for each would read an hour from memory sixty times.
@@ -137,7 +139,8 @@ def levers_of(skeleton: Skeleton) -> np.ndarray:
     for joint in reversed(range(len(levers))):
         if joint in skeleton.end_sites:
             levers[joint] = max(levers[joint], np.linalg.norm(skeleton.end_sites[joint]))
-        parent, length = skeleton.parents[joint], np.linalg.norm(skeleton.offsets[joint])
+        parent = skeleton.parents[joint]
+        length = np.linalg.norm(skeleton.offsets[joint])
         if parent >= 0:
             below = levers[joint] if skeleton.children(joint) else 0.0
             levers[parent] = max(levers[parent], length + below)

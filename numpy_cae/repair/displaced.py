@@ -35,9 +35,10 @@ one."""
 CALM_SHARE = 0.35
 """CALM_SHARE: two jumps undo each other if no step between them is longer than this share of the
 smaller one."""
-LEAST_TURN_DEGREES, LEAST_MOVE_METRES = 20.0, 0.1
-"""LEAST_TURN_DEGREES, LEAST_MOVE_METRES: smaller jumps of a rotation (°), or of a place (m), do not
-count."""
+LEAST_TURN_DEGREES = 20.0
+"""LEAST_TURN_DEGREES: a jump of a rotation counts if it is larger than this (°)."""
+LEAST_MOVE_METRES = 0.1
+"""LEAST_MOVE_METRES: a jump of a place counts if it is longer than this (m)."""
 LONGEST_SECONDS = 1.5
 """LONGEST_SECONDS: rotations are interpolated between two jumps that are at most this far apart
 (s)."""
@@ -105,9 +106,11 @@ def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str
             for kind in _kinds(curve, segment):
                 by_kind[kind].append(segment)
         if by_kind["spike"]:
-            chosen, kind = by_kind["spike"][-1], "spike"
+            chosen = by_kind["spike"][-1]
+            kind = "spike"
         elif by_kind["undone"]:
-            chosen, kind = by_kind["undone"][0], "turned" if curve.is_rotation else curve.kind
+            chosen = by_kind["undone"][0]
+            kind = "turned" if curve.is_rotation else curve.kind
         elif by_kind["interpolated"]:
             chosen = by_kind["interpolated"][0]
             kind = "displaced" if curve.is_rotation else curve.kind

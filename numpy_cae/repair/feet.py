@@ -29,9 +29,10 @@ LEGS = [
     [JOINTS.index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle", "toe")]
     for side in ("left", "right")
 ]
-SLOW, SLOW_ON_PATH = 0.5, 0.7
-"""SLOW, SLOW_ON_PATH: a toe stands only if it is slower than this (m/s); on a path from the feet
-than SLOW_ON_PATH."""
+SLOW = 0.5
+"""SLOW: a toe stands only if it is slower than this (m/s)."""
+SLOW_ON_PATH = 0.7
+"""SLOW_ON_PATH: on a path from the feet, a toe stands only if it is slower than this (m/s)."""
 LOW_METRES = 0.05
 """LOW_METRES: a toe stands only if it is at most this high (m) above the height at which toes
 stand, the median height of the lower toe where it is slow."""
@@ -71,11 +72,13 @@ def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> find_feet(motion)[0].kind
     'foot'
     """
-    found, worst = list[Finding](), 0.0
+    found = list[Finding]()
+    worst = 0.0
     path = path_of_root(motion)
     if path.any():
         why = "the root hardly moves while feet do: its path follows from the feet"
-        found, worst = [Finding(BODY, (0, len(motion) - 1), "foot", why)], np.inf
+        found = [Finding(BODY, (0, len(motion) - 1), "foot", why)]
+        worst = np.inf
         motion = moved_along(motion, path)
     toes, level = _toes(motion)
     for stance in _stances(toes, level, motion.rate, bool(path.any())):
@@ -97,7 +100,8 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     A finding about the body gives the root a path (`is_path`). A foot that stands still does so for
     longer than it seemed: it is looked for again, as long as that helps.
     """
-    travels, unchanged = any(map(is_path, findings)), motion
+    travels = any(map(is_path, findings))
+    unchanged = motion
     if travels:
         motion = moved_along(motion, path_of_root(motion))
     stances = [
@@ -116,7 +120,9 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
         slides_after, jumps_after = _sliding(better), _jumps(better)
         if slides_after >= slides or jumps_after.sum() > jumps.sum():
             break
-        motion, slides, jumps = better, slides_after, jumps_after
+        motion = better
+        slides = slides_after
+        jumps = jumps_after
         stances = _stances(*_toes(motion), motion.rate, travels)
     return unchanged if travels and slides > _sliding(unchanged) else motion
 
@@ -135,7 +141,8 @@ def _stances(toes: np.ndarray, level: float, rate: float, travels: bool) -> list
     """The times in which a foot stands; of both toes (frames, 2, 3)."""
     if len(toes) < 3:
         return []
-    frame, around = np.arange(len(toes)), max(round(CALM_SECONDS * rate), 1)
+    frame = np.arange(len(toes))
+    around = max(round(CALM_SECONDS * rate), 1)
     before, after = (frame - around).clip(0), (frame + around).clip(max=len(toes) - 1)
     speed = np.linalg.norm(toes[after] - toes[before], axis=-1) * rate / (after - before)[:, None]
     slow = speed < (SLOW_ON_PATH if travels else SLOW)
@@ -163,7 +170,8 @@ def _shifts(motion: Motion, stances: list[Stance]) -> tuple[np.ndarray, np.ndarr
     """How far both feet are from their places, (frames, 2, 3) in metres, fading in and out before
     and after they stand; and the weight of that, (frames, 2, 1)."""
     toes, level = _toes(motion)
-    shift, weight = np.zeros(toes.shape), np.zeros((*toes.shape[:2], 1))
+    shift = np.zeros(toes.shape)
+    weight = np.zeros((*toes.shape[:2], 1))
     frame = np.arange(len(motion))
     for foot, first, end in stances:
         nearest = np.clip(frame, first, end - 1)

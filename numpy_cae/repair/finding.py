@@ -203,7 +203,9 @@ def joint_names(motion: Motion) -> list[str]:
 def usable(motion: Motion, finding: Finding) -> Finding:
     """A finding of a user with our name of its joint; ValueError if it cannot be mended in the
     motion."""
-    joint, kind, last = finding.joint, finding.kind, len(motion) - 1
+    joint = finding.joint
+    kind = finding.kind
+    last = len(motion) - 1
     names = joint_names(motion)
     if joint in motion.skeleton.names:
         joint = names[motion.skeleton.index(joint)]

@@ -42,8 +42,11 @@ class Holes:
     """
 
     def __init__(self, body: Body, in_file: np.ndarray, start: Motion | None = None):
-        self.motion, self.mean_lengths, self.in_file = body.motion, body.mean_lengths, in_file
-        self.mask, there = at_thirty(body.motion, in_file), np.asarray(in_file.any(axis=1))
+        self.motion = body.motion
+        self.mean_lengths = body.mean_lengths
+        self.in_file = in_file
+        self.mask = at_thirty(body.motion, in_file)
+        there = np.asarray(in_file.any(axis=1))
         self.start = on_curves(body.motion, in_file).at(there) if start is None else start
         positions = _positions_with(body, there, self.start)
         self.lengths = bone_lengths(positions)
@@ -66,7 +69,8 @@ class Holes:
     def filled(self, features: np.ndarray) -> Motion:
         """The motion with the joints of the holes, and nothing else, moved to those of features
         (F, 63) on the mean skeleton."""
-        motion, holes = self.motion, self.in_file
+        motion = self.motion
+        holes = self.in_file
         if not holes.any():
             return motion
         correction = self.positions_of(features) - self.positions_of(self.features)
@@ -94,7 +98,8 @@ def _positions_with(body: Body, there: np.ndarray, start: Motion) -> np.ndarray:
     """The positions (F, 20, 3) of a body whose motion is `start` in the frames of a mask."""
     motion, source = body.motion, body.motion.source_frames(RATE)
     if source.dtype == int:  # frames are only dropped: no other pose changes
-        positions, poses = body.positions.copy(), np.flatnonzero(there[source])
+        positions = body.positions.copy()
+        poses = np.flatnonzero(there[source])
         rows = (np.cumsum(there) - 1)[source[poses]]
         positions[poses] = start.at(rows).positions(rig_of(motion).joints)
         return positions

@@ -62,7 +62,8 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
     kinds `POSITION_KINDS` only the joints named count.
     """
     missing = np.zeros((len(motion), len(JOINTS)), bool)
-    names, rig = joint_names(motion), rig_of(motion).joints
+    names = joint_names(motion)
+    rig = rig_of(motion).joints
     for finding in findings:
         frames = finding.stretch
         for column, joint in enumerate(rig):

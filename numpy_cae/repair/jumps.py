@@ -31,10 +31,12 @@ from numpy_cae.repair.finding import BODY, Finding
 OFF_MEDIAN_METRES = 0.08
 """OFF_MEDIAN_METRES: a step jumps if it differs from the median of seven steps by more than this
 (m)."""
-SHARP_METRES, SHARP_ACCELERATION = OFF_MEDIAN_METRES / 2, 45.0
-"""SHARP_METRES, SHARP_ACCELERATION: a joint that jumps within a motion that is not filtered is
-further than this from a cubic (m), as after a single step of `OFF_MEDIAN_METRES`, and further than
-this acceleration (m/s²) moves it in the time of a frame."""
+SHARP_METRES = OFF_MEDIAN_METRES / 2
+"""SHARP_METRES: a joint that jumps within a motion that is not filtered is further than this from a
+cubic (m), as after a single step of `OFF_MEDIAN_METRES`."""
+SHARP_ACCELERATION = 45.0
+"""SHARP_ACCELERATION: such a joint is also further from the cubic than this acceleration (m/s²)
+moves it in the time of a frame."""
 SHARPNESS = 0.45
 """SHARPNESS: such a joint is also further from the cubic than this times its largest step of two
 frames around. After a frame that is elsewhere the ratio is 1, in noise about 1, where a joint moves
@@ -42,9 +44,11 @@ to another place within a step 0.5, where it stops within a frame 0.33; in fast 
 frames a second it is mostly below 0.2."""
 ROUNDS = 3
 """ROUNDS: the strong filter acts at most this often."""
-BLENDED_SECONDS, AROUND_SECONDS = 0.25, 1.0
-"""BLENDED_SECONDS, AROUND_SECONDS: the strong filter acts from so long before a jump to so long
-after it (s), and is computed from AROUND_SECONDS before it to AROUND_SECONDS after it."""
+BLENDED_SECONDS = 0.25
+"""BLENDED_SECONDS: the strong filter acts from so long before a jump to so long after it (s)."""
+AROUND_SECONDS = 1.0
+"""AROUND_SECONDS: the strong filter is computed from so long before a jump to so long after it
+(s)."""
 ROUGH_SHARE = 0.2
 """ROUGH_SHARE: a rotation on the way to a joint that jumps is filtered if its roughness is at least
 this share of the largest on the way."""
@@ -139,7 +143,8 @@ def _steps_that(
 ) -> np.ndarray:
     """The steps of joints that do something, (frames, 20) of bool, by a function of positions
     (F, 20, 3), for a body of usual size, to steps (F - 1, 20)."""
-    found, joints = np.zeros((len(motion), len(JOINTS)), bool), rig_of(motion).joints
+    found = np.zeros((len(motion), len(JOINTS)), bool)
+    joints = rig_of(motion).joints
     size = body_size(motion)
     for part, around in chunks(np.arange(len(motion) - 1) if frames is None else frames, 5):
         steps = do(motion.at(around).positions(joints) / size)

@@ -51,8 +51,11 @@ SAME_SHARE = 0.6
 """SAME_SHARE: two possible turns are alternatives if they share this part of their frames."""
 MOST_ALTERNATIVES = 60
 """MOST_ALTERNATIVES: of alternatives, so many are compared, those of the largest changes first."""
-MOST_ASKED = 100
-"""MOST_ASKED: the manifold is asked about so many turns of a limb at most."""
+MOST_TURNS = 2000
+"""MOST_TURNS: of each limb so many possible turns are looked at, those of the largest changes: an
+hour of noise has a hundred times as many."""
+MOST_ASKED = 40
+"""MOST_ASKED: the manifold is asked so often about a limb at most."""
 MOST_LEVEL = 1.3
 """MOST_LEVEL: the manifold is asked only if the file's own evidence is within this factor of its
 thresholds."""
@@ -205,7 +208,7 @@ def _alternatives(motion: Motion, name: str) -> Iterator[list[Turn]]:
     """The possible turns of a joint, in groups of alternatives, those of the largest changes
     first."""
     q = motion.rotations[:, rig_of(motion).joints[JOINTS.index(name)]]
-    turns = sorted(_turns(q, motion.rate), key=lambda turn: -turn.size)
+    turns = sorted(_turns(q, motion.rate), key=lambda turn: -turn.size)[:MOST_TURNS]
     asked = 0
     while turns and asked < MOST_ASKED:
         best = turns[0]
@@ -268,9 +271,12 @@ def _between(q: np.ndarray, r: np.ndarray, in_parent: bool) -> np.ndarray:
 
 def _level_in_file(motion: Motion, name: str, turn: Turn) -> float:
     """The largest of the shares of the file's evidence, each divided by its threshold."""
-    joints, column = rig_of(motion).joints, JOINTS.index(name)
+    joints = rig_of(motion).joints
+    column = JOINTS.index(name)
     q = motion.rotations[:, joints[column]]
-    rough, others, bend = [], [], []
+    rough = []
+    others = []
+    bend = []
     size = np.linalg.norm(turn.vector)
     for first, end in ((turn.first, turn.risen), (turn.falls, turn.end)):
         frames = np.arange(max(first - 2, 0), min(end + 3, len(q)))

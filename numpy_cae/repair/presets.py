@@ -68,9 +68,10 @@ PRESETS = {
 SHAKING = 20.0
 """SHAKING: motion from video shakes: its accelerations change by more than this (m/s²) from frame
 to frame, in the median of all joints and frames at 30 a second (docs/lab_book/evidence.md)."""
-JUMPING_SHARE, JUMPING_FRAMES = 0.02, 2
-"""JUMPING_SHARE, JUMPING_FRAMES: other motion from video jumps in more than this share of its
-frames, and in more than two frames: a limb that is turned for a while jumps twice."""
+JUMPING_SHARE = 0.02
+"""JUMPING_SHARE: other motion from video jumps in more than this share of its frames."""
+JUMPING_FRAMES = 2
+"""JUMPING_FRAMES: and in more frames than this: a limb that is turned for a while jumps twice."""
 SLIDING = 20.0
 """SLIDING: motion from video that jumps also has standing feet that slide faster than this
 (cm/s)."""

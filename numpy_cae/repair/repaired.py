@@ -141,7 +141,8 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
     """How far each of the twenty joints moved, (frames, 20) in metres: the joint, or what follows
     it (its fingers, the second bone of the neck, the top of the head) and moved furthest; in the
     world, or from the hips."""
-    skeleton, joints = after.skeleton, rig_of(after).joints
+    skeleton = after.skeleton
+    joints = rig_of(after).joints
     followed = [
         next((joints.index(above) for above in skeleton.path(joint) if above in joints), 0)
         for joint in range(len(skeleton.names))

@@ -43,7 +43,8 @@ noise of 3°, they are at most 0.23 m apart."""
 def path_of_root(motion: Motion) -> np.ndarray:
     """What the path of the root lacks, (frames, 3) in metres: 0 if the root follows the feet."""
     body = body_positions(motion)
-    toes, hips = body[:, FEET], body[:, 0]
+    toes = body[:, FEET]
+    hips = body[:, 0]
     lower_height = toes[..., 1].min(axis=1)
     leg = np.linalg.norm(np.diff(body[0, LEFT_LEG], axis=0), axis=-1).sum()
     none = np.zeros((len(motion), 3))

@@ -24,9 +24,11 @@ from numpy_cae.repair.segments import Segment
 
 LONGEST_SECONDS = 0.1
 """LONGEST_SECONDS: a spike lasts at most this time (s), or a frame."""
-LEAST_METRES, LEAST_ACCELERATION = 0.08, 60.0
-"""LEAST_METRES, LEAST_ACCELERATION: a spike deviates by more than this (m), and by more than this
-acceleration (m/s²) moves a joint in the time of a frame: a hand or foot that strikes reaches it."""
+LEAST_METRES = 0.08
+"""LEAST_METRES: a spike deviates by more than this (m)."""
+LEAST_ACCELERATION = 60.0
+"""LEAST_ACCELERATION: a spike deviates by more than this acceleration (m/s²) moves a joint in the
+time of a frame: a hand or foot that strikes reaches it."""
 NOISE_RATIO = 9.0
 """NOISE_RATIO: a spike deviates by more than this times the noise, which is the median over a
 second of the deviations of single frames."""
@@ -63,7 +65,8 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
                 break
             for spike in spikes:
                 why = f"{curve.amount(spike.size)} from the frames before and after"
-                frames, sure = (spike.first, spike.end - 1), confidence(spike.score)
+                frames = (spike.first, spike.end - 1)
+                sure = confidence(spike.score)
                 found.append(Finding(curve.name, frames, curve.kind, why, 0.0, sure))
             curve = _interpolated(curve, spikes)
     return list(dict.fromkeys(found))  # a replaced frame may deviate again

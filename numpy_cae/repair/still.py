@@ -16,12 +16,14 @@ from numpy_cae.repair.curves import STILL_METRES, Curve, curves_of
 from numpy_cae.repair.finding import BODY, Finding, confidence
 from numpy_cae.repair.segments import Segment, still_segments
 
-FROZEN_SECONDS, FROZEN_FRAMES = 0.2, 6
-"""FROZEN_SECONDS, FROZEN_FRAMES: a rotation is frozen if it stands still for at least this time (s)
-and at least so many steps."""
-FROZEN_JUMP_METRES, FROZEN_JUMP_SPEED = 0.03, 1.5
-"""FROZEN_JUMP_METRES, FROZEN_JUMP_SPEED: a frozen rotation then jumps by more than this (m), and
-faster than this (m/s)."""
+FROZEN_SECONDS = 0.2
+"""FROZEN_SECONDS: a rotation is frozen if it stands still for at least this time (s)."""
+FROZEN_FRAMES = 6
+"""FROZEN_FRAMES: a rotation is frozen if it stands still for at least so many steps."""
+FROZEN_JUMP_METRES = 0.03
+"""FROZEN_JUMP_METRES: a frozen rotation then jumps by more than this (m)."""
+FROZEN_JUMP_SPEED = 1.5
+"""FROZEN_JUMP_SPEED: a frozen rotation then jumps faster than this (m/s)."""
 UNUSED_SHARE = 0.75
 """UNUSED_SHARE: a rotation that stands still for more than this share of the file is not frozen,
 but not used."""
@@ -38,7 +40,8 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     [body: frames 30 to 34: repeated (...
     """
     curves = [curve for curve in curves_of(motion) if curve.kind != "length"]
-    body, frozen = np.zeros(max(len(motion) - 1, 0)), list[Finding]()
+    body = np.zeros(max(len(motion) - 1, 0))
+    frozen = list[Finding]()
     for curve in curves:
         steps = curve.steps()
         body += steps / len(curves)

@@ -92,9 +92,12 @@ def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[C
         equation at thirty frames a second, 0 where nothing is missing.
     """
     motion = body.motion
-    source, number = motion.source_frames(RATE), run_numbers(missing)
-    kinds, kinds_at_rate = kinds_of_holes(missing), kinds_of_holes(at_thirty(motion, missing))
-    strength, curves = np.zeros(kinds_at_rate.shape), dict[int, Curve]()
+    source = motion.source_frames(RATE)
+    number = run_numbers(missing)
+    kinds = kinds_of_holes(missing)
+    kinds_at_rate = kinds_of_holes(at_thirty(motion, missing))
+    strength = np.zeros(kinds_at_rate.shape)
+    curves = dict[int, Curve]()
     always = np.asarray(missing.all(axis=0))
     holes = runs(np.asarray((missing & ~always).any(axis=1)))
     longest_first = holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]
@@ -121,10 +124,12 @@ def chosen_for(
     `kinds` (frames, 20) are those of the missing joints, else b""; `always` (20,) says which joints
     are missing in all frames. Only if `tried` there are trials.
     """
-    rate, pattern = body.motion.rate, np.where(always, "", kinds[hole].astype(str))
+    rate = body.motion.rate
+    pattern = np.where(always, "", kinds[hole].astype(str))
     margin = round(NEAR_SECONDS * rate)
     near = slice(max(hole.start - margin, 0), hole.stop + margin)
-    clip, missing = replace(body, motion=body.motion.at(near)), kinds[near] != b""
+    clip = replace(body, motion=body.motion.at(near))
+    missing = kinds[near] != b""
     known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
@@ -211,8 +216,10 @@ def trials_in(known: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
 
     `pattern` (n, 20) are the kinds of the joints that are missing in the hole, else "".
     """
-    margin, size = round(MARGIN_SECONDS * rate), len(pattern)
-    kinds, starts = np.zeros((len(known), len(JOINTS)), "U4"), list[int]()
+    margin = round(MARGIN_SECONDS * rate)
+    size = len(pattern)
+    kinds = np.zeros((len(known), len(JOINTS)), "U4")
+    starts = list[int]()
     apart = size + max(size, round(APART_SECONDS * rate))
     for first, end in runs(known) + [margin, -margin - size]:
         if end >= first:

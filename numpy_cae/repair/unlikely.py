@@ -71,7 +71,8 @@ def find_unlikely(
     level = distance / np.maximum(FAR_METRES, FAR_RATIO * typical(distance, known))
     stretches = in_file(motion, runs_with((level > 0.5) & ~known, level > 1))
     jumps = _jumps(motion) if stretches.any() else stretches
-    near, found = round(NEAR_SECONDS * motion.rate), []
+    near = round(NEAR_SECONDS * motion.rate)
+    found = []
     for joint in np.flatnonzero(stretches.any(axis=0)):
         for ends in runs(stretches[:, joint]).tolist():
             jumping = sum(int(jumps[max(at - near, 0) : at + near, joint].any()) for at in ends)
