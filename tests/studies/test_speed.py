@@ -90,7 +90,7 @@ def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, lab
     table = time_to_quality.quality(curves)
     assert table.header[1] == "seconds to 2.000 cm"
     assert table.rows[1] == ["theirs", 10.0, 2.5, 10.0, 2.0]
-    stage = replace(recipe("fast").fine_tuning, epochs=3)
+    stage = replace(recipe("fast").fine_tuning, epochs=3, rate=1e-4)
     tiny = replace(recipe("fast"), fine_tuning=stage)
     monkeypatch.setattr(time_to_quality, "recipe", lambda name: tiny)
     monkeypatch.setattr(time_to_quality, "USUAL", replace(stage, norm=None))
