@@ -26,11 +26,16 @@ _LEGEND = json.loads((HERE / "legend.json").read_text(encoding="utf-8"))
 def text(result: Result) -> str:
     """The title, the tables in Markdown's form, the note, the claims and the provenance."""
     claims = [
-        f"{status(claim)}: {claim.sentence} Measured: {claim.figures}" for claim in result.claims
+        f"{status(claim)}: {claim.sentence} Measured: {measured(claim)}" for claim in result.claims
     ]
     made = [f"{name}: {value}" for name, value in result.provenance.items()]
     parts = [result.title, result.about, *(t.text() for t in result.tables), result.note]
     return "\n\n".join(filter(None, [*parts, "\n".join(claims), "\n".join(made)]))
+
+
+def measured(claim: Claim) -> str:
+    """The figures, and those of the opponent."""
+    return claim.figures + (f" {claim.opponent}" if claim.opponent else "")
 
 
 def status(claim: Claim) -> str:
@@ -139,7 +144,7 @@ def _definitions(meanings: Mapping[str, str]) -> str:
 def _claim(claim: Claim) -> str:
     return (
         f'<div class="claim"><p>{_verdict(claim.confirmed)} {_inline(claim.sentence)}</p>'
-        f"<p>Measured: {_inline(claim.figures)}</p></div>"
+        f"<p>Measured: {_inline(measured(claim))}</p></div>"
     )
 
 

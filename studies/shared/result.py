@@ -37,12 +37,22 @@ class Claim:
         The measured figures that decide, in a sentence.
     of : str
         Of what it was measured, such as a source of motion, where there are several.
+    opponent : str
+        The same figures of the strongest simple opponent.
     """
 
     key: str
     confirmed: bool
     figures: str
     of: str = ""
+    opponent: str = ""
+
+    @property
+    def statement(self) -> str:
+        """The statement with its source, and what it was measured of."""
+        statement = STATEMENTS[self.key]
+        of = self.of and f": {self.of}"
+        return f"{statement['sentence']} ({statement['source']}){of}"
 
     @property
     def sentence(self) -> str:
