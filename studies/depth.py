@@ -12,7 +12,7 @@ import numpy as np
 
 from numpy_cae.evaluation.clips import clips_of
 from numpy_cae.manifold import hidden_units, learn_manifold
-from numpy_cae.training import Schedule, zero_values
+from numpy_cae.training import Schedule, recipe, zero_values
 from studies.shared.material import Material, features_of
 from studies.shared.result import Claim, Result, Table
 
@@ -27,7 +27,7 @@ SPARSE = "three layers, α = 0"
 
 def run(material: Material, seed: int = 0, epochs: int = EPOCHS) -> Result:
     """Train the stacks on the training takes, and repair the test takes with each."""
-    schedule = Schedule()
+    schedule = recipe("paper")
     layer = replace(schedule.layer, epochs=epochs)
     fine = replace(schedule.fine_tuning, epochs=epochs)
     kinds = {f"{n} of {len(FILTERS)} layers": (FILTERS[:n], layer) for n in (1, 2, 3)}

@@ -61,8 +61,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             Claim(
                 "pooling_invariant",
                 pooled < skipped,
-                f"units of layer 1 change by {pooled:.2f} of their deviation;",
-                opponent=f"without the maximum, every second frame: {skipped:.2f}.",
+                f"units of layer 1 change by {pooled:.3f} of their deviation;",
+                opponent=f"without the maximum, every second frame: {skipped:.3f}.",
             ),
             Claim(
                 "projected_fast",

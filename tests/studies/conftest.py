@@ -12,6 +12,7 @@ from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage
 from studies.shared.material import LabelledTake, Material
+from studies.shared.options import parameters
 
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 SMALL = {
@@ -24,6 +25,8 @@ SMALL = {
     },
     "sampling": {"DRAWN": 4},
     "constrained_projection": {"TAKES": 1, "MAX_FRAMES": 32},
+    "confident_walk": {"QUERIES": 2, "TAKES": 1, "SECONDS": 3.0, "NEAREST": 2},
+    "depth": {"FILTERS": (4, 6, 8), "recipe": lambda name: Schedule(layer=Stage(rate=0.02))},
 }
 """Constants of studies that would take long."""
 
@@ -63,7 +66,8 @@ def result_of(small_manifold, labelled):
         with pytest.MonkeyPatch.context() as patch:
             for constant, value in SMALL.get(name, {}).items():
                 patch.setattr(module, constant, value)
-            result = module.run(small_manifold, labelled, 0)
+            given = {"manifold": small_manifold, "material": labelled, "seed": 0, "epochs": 1}
+            result = module.run(**{each: given[each] for each in parameters(module.run)})
             figures = {n: (p, p.draw()) for n, p in result.figures.items()}
             drawn = {n: replace(p, draw=lambda f=f: f) for n, (p, f) in figures.items()}
             return replace(result, figures=drawn)

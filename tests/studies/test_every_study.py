@@ -4,10 +4,11 @@ from html import escape
 
 import pytest
 
-from studies.shared.render import page, png, text
+from studies.shared.render import measured, page, png, text
 
 NAMES = "repair_sweep filling_in interpolation comparison damage sampling "
-NAMES += "constrained_projection"
+NAMES += "constrained_projection representation unpoolings kinect filters delays "
+NAMES += "confident_walk depth"
 
 
 @pytest.mark.parametrize("name", NAMES.split())
@@ -19,12 +20,12 @@ def test_the_result_is_well_formed(result_of, name):
         assert {len(cells) for cells in table.cells()} == {len(table.header)}
         assert all(isinstance(row[0], str) for row in table.rows)
     for claim in result.claims:
-        assert claim.sentence.endswith(".") and claim.figures.endswith(".")
+        assert claim.sentence.endswith(".") and measured(claim).endswith(".")
         assert "nan" not in claim.figures
-    (picture,) = result.figures.values()
-    assert png(picture).startswith(b"\x89PNG") and len(png(picture)) > 5000
+    pictures = list(result.figures.values())
+    assert all(len(png(picture)) > 5000 for picture in pictures)
     html = page({name: result})
     assert result.tables[0].header[-1] in text(result) and escape(result.title) in html
-    assert html.count("<img ") == 1
-    assert html.count('class="viewer-data') == bool(picture.actors)
+    assert html.count("<img ") == len(pictures)
+    assert html.count('class="viewer-data') == sum(bool(each.actors) for each in pictures)
     assert html.count("<table>") == len(result.tables)
