@@ -1,7 +1,5 @@
 """Windows, the errors measured against them, and their split."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -22,15 +20,6 @@ def test_the_error_is_in_centimetres(small_manifold, clips, labelled):
     assert clips.error(off, "left_wrist") == pytest.approx(1.0, rel=1e-3)
     assert clips.error(off) == pytest.approx(np.sqrt(1 / 20), rel=1e-3)
     assert clips.real.all() and len(np.unique(clips.take)) == len(labelled.testing)
-
-
-def test_padded_frames_do_not_count(clips):
-    real = clips.real.copy()
-    real[:, 20:] = False
-    cut = replace(clips, real=real)
-    changed = cut.x.copy()
-    changed[:, 20:] += 5
-    assert cut.error(changed) == 0
 
 
 def test_ends_repeated_equals_the_manifold_projection(small_manifold, clips):

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from numpy_cae.evaluation.clips import clips_of
-from numpy_cae.evaluation.half_removed import half_removed
 from numpy_cae.motion.key_curves import ROTATION_CURVES
 from studies import interpolation, repair_sweep
 from studies.interpolation import ALONG, ENDS, LINEAR
-from studies.repair_sweep import CORRUPTED_ROW, RESCALED
-from studies.shared.clips import AVERAGED, NETWORK, REPEATED, project_repeated
+from studies.repair_sweep import CORRUPTED_ROW
+from studies.shared.clips import NETWORK, project_repeated
 from studies.shared.material import Material
 from studies.shared.validity import Validity
 
@@ -25,25 +24,6 @@ def test_the_sweep_of_removed_values(result_of):
     assert unknown.value(repair_sweep.LINEAR, "p = 0.5") < unknown.value(CORRUPTED_ROW, "p = 0.5")
 
 
-def test_claims_of_the_sweep_follow_its_errors():
-    networks = [name + suffix for name in (NETWORK, REPEATED, AVERAGED)
-                for suffix in ("", RESCALED)]  # fmt: skip
-    errors = {name: [5.0] * 9 for name in networks}
-    errors |= {CORRUPTED_ROW: [9.0] * 9, "PCA on frames": [3.0] * 9}
-    errors |= {repair_sweep.LINEAR: [2.0] * 9, NETWORK: [1.0] * 3 + [4.0] * 6}
-
-    def confirmed(suffix=""):
-        return [claim.confirmed for claim in repair_sweep._claims(errors, 1.5, suffix)]
-
-    assert confirmed() == [True, False, False]
-    errors[NETWORK][4] = 1.9
-    assert confirmed() == [True, True, True]
-    errors[NETWORK][4] = 4.6
-    assert not confirmed()[0]
-    errors[NETWORK + RESCALED][4] = 4.4
-    assert not confirmed()[0] and confirmed(RESCALED)[0]
-
-
 def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
     wrists, stepped = result_of("filling_in").tables
     clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
@@ -56,20 +36,6 @@ def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labell
     for curve in ROTATION_CURVES:
         assert 0 < stepped.value(f"{curve} of the rotations, keys given", "error, cm") < held
     assert stepped.value("truth", "error, cm") == 0
-
-
-def test_rows_that_need_no_network(small_manifold, labelled):
-    takes = ([take.positions for take in half] for half in (labelled.training, labelled.testing))
-    half = half_removed(small_manifold, *takes)
-    undamaged, removed = half.header[1:3]
-    assert half.value("as damaged", undamaged) == 0
-    assert half.value("PCA on frames", undamaged) == pytest.approx(0, abs=1e-4)
-    # Half of all values removed at random: half of the mean pose's squared error remains.
-    mean = half.value("the mean pose", removed)
-    assert half.value("the mean pose", undamaged) == mean
-    assert half.value("as damaged", removed) == pytest.approx(mean * np.sqrt(0.5), rel=0.05)
-    for name in ("PCA on frames", "PCA on windows"):
-        assert half.value(name, removed) < mean
 
 
 def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelled):

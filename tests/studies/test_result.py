@@ -3,7 +3,6 @@
 import re
 from html import escape
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from studies.shared.render import best_cells, page, text
@@ -19,24 +18,6 @@ MADE = {"model": "m.npz <1>", "seed": "0"}
 FIGURES = {"one": Picture(Figure)}
 RESULT = Result("First & foremost", [TABLE], CLAIMS, FIGURES, NOTE, "How.", MADE)
 RESULTS = {"one": RESULT, "two": Result("two", [], note="Could not be run: no press-ups.")}
-
-
-def test_columns_are_aligned_and_numbers_formatted():
-    assert TABLE.text().splitlines() == [
-        "Before <it>:",
-        "",
-        "| a     | error, cm | share |",
-        "|-------|----------:|------:|",
-        "| x < y |      1.00 |  0.50 |",
-        "| z     |     10.25 |     2 |",
-    ]
-    assert TABLE.value("z", "error, cm") == 10.25
-
-
-def test_formats_by_column_and_empty_cells():
-    row = ["z", 0.25, None, np.float32("nan"), np.float64(2), "7, 2"]
-    table = Table("", list("abcdef"), [row], ("", ".0%", ".1f", ".1f", ".3f", ""))
-    assert table.cells() == [["z", "25%", "", "", "2.000", "7, 2"]]
 
 
 def test_the_best_of_a_column_or_of_a_row_is_marked():
