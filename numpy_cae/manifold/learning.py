@@ -11,8 +11,7 @@ from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion.angles import AngleSequence
 from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
-from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY
-from numpy_cae.motion.lengths import features_on_mean_skeleton
+from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY, features_on_mean_skeleton
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH, cut_windows
 from numpy_cae.training import Checkpoint, Schedule, SequenceSchedule, TrainingState

@@ -23,9 +23,15 @@ from numpy_cae.manifold.model_arrays import (
 )
 from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion.features import FEATURES, RootTransform, positions_to_features
+from numpy_cae.motion.features import (
+    FEATURES,
+    RootTransform,
+    bone_lengths,
+    change_lengths,
+    positions_to_features,
+    problem_of_lengths,
+)
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.lengths import bone_lengths, change_lengths, problem_of_lengths
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH
 

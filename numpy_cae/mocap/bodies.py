@@ -15,7 +15,7 @@ from numpy_cae.mocap.coordinates import Coordinates
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.load import find_motion_files, load_body
 from numpy_cae.mocap.rigs.rigs import Mappings, UnknownRigError
-from numpy_cae.motion.lengths import features_on_mean_skeleton
+from numpy_cae.motion.features import features_on_mean_skeleton
 from numpy_cae.motion.motion import RATE, Note
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 

@@ -8,12 +8,13 @@ from numpy_cae.motion.angles import motion_of, on_floor
 from numpy_cae.motion.clips import cut_clips, draw_clips
 from numpy_cae.motion.features import (
     POSITIONS,
+    bone_lengths,
+    change_lengths,
     features_to_positions,
     joint_slice,
     positions_to_features,
 )
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.motion import RATE, Motion, Note, Skeleton
 from numpy_cae.motion.windows import cut_windows
 

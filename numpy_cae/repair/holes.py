@@ -8,9 +8,13 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body, at_rate_of, body_of
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.features import features_to_positions, positions_to_features
+from numpy_cae.motion.features import (
+    bone_lengths,
+    change_lengths,
+    features_to_positions,
+    positions_to_features,
+)
 from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
 from numpy_cae.motion.masks import at_thirty
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.repair.finding import Finding

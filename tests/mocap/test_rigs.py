@@ -14,8 +14,8 @@ from numpy_cae.mocap.rigs.completed import completed
 from numpy_cae.mocap.rigs.recognise import doubt, find_joints, joint_index, recognised, rig_of
 from numpy_cae.mocap.rigs.rigs import RIGS, UnknownRigError, read_mapping, rig_by_names, with_rig
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton
+from numpy_cae.motion.features import bone_lengths
 from numpy_cae.motion.fit import body_skeleton
-from numpy_cae.motion.lengths import bone_lengths
 
 
 def skeleton_of(names):

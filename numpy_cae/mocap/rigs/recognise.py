@@ -18,14 +18,15 @@ from numpy_cae.mocap.rigs.rigs import (
     Rig,
     RiggedMotion,
     UnknownRigError,
+    left_or_right,
     own_rig,
     plain_name,
     rig_by_names,
     with_rig,
 )
-from numpy_cae.mocap.rigs.suggest import left_or_right, suggest_mapping
+from numpy_cae.mocap.rigs.suggest import suggest_mapping
+from numpy_cae.motion.features import frame_lengths
 from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.lengths import frame_lengths
 from numpy_cae.motion.motion import Motion, Note, Skeleton
 
 _POSES = 100

@@ -216,6 +216,14 @@ def plain_name(name: str) -> str:
     return re.sub(r"[\s_.\-]", "", name) or name
 
 
+def left_or_right(one: str, other: str) -> str:
+    """The side of joint `one` by its name and that of the same joint on the other side, such as
+    "lShldr" and "rShldr": "left" or "right", or "" if the names do not tell."""
+    pairs = zip(one.lower(), other.lower(), strict=False)
+    differing = next((a + b for a, b in pairs if a != b), "")
+    return {"lr": "left", "rl": "right"}.get(differing, "")
+
+
 _PLAIN_RIGS = {
     rig: {joint: tuple(map(plain_name, names)) for joint, names in table.items()}
     for rig, table in RIGS.items()

@@ -11,7 +11,7 @@ from itertools import combinations, pairwise, product
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.rigs import add_trunk
+from numpy_cae.mocap.rigs.rigs import add_trunk, left_or_right
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Skeleton
 
@@ -162,11 +162,3 @@ def _left_first(skeleton: Skeleton, starts: Sequence[int], leftness: np.ndarray)
     if side:
         return starts if side == "left" else starts[::-1]
     return sorted(starts, key=lambda start: -leftness[start])
-
-
-def left_or_right(one: str, other: str) -> str:
-    """The side of joint `one` by its name and that of the same joint on the other side, such as
-    "lShldr" and "rShldr": "left" or "right", or "" if the names do not tell."""
-    pairs = zip(one.lower(), other.lower(), strict=False)
-    differing = next((a + b for a, b in pairs if a != b), "")
-    return {"lr": "left", "rl": "right"}.get(differing, "")
