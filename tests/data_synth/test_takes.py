@@ -3,8 +3,11 @@
 Seeds and lengths are drawn; `-m thorough` draws many more of them.
 """
 
+import json
+
 import numpy as np
 import pytest
+from acclaim_files import FILES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,6 +15,7 @@ from data_synth import KINDS, Take, beyond_limits, make_take
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.quaternions import rotate
 
+REFUSED = json.loads((FILES / "synthetic.json").read_text(encoding="utf-8"))
 SLIDING = 0.005  # metres
 # m/s²; hands of people who punch and knees of people who run reach about half of it at 120 Hz.
 STRONGEST = 450.0
@@ -161,16 +165,7 @@ def test_who_stops_stands_on_both_feet():
     assert stopped > 2
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"kind": "fly"}, "no kind 'fly'; there are walk"),
-        ({"kind": "walk", "style": "drunk"}, "has no style 'drunk'"),
-        ({"kind": "walk", "seconds": 0.0}, "seconds is 0.0"),
-        ({"kind": "walk", "seconds": float("nan")}, "seconds is nan"),
-        ({"kind": "idle", "rate": -30.0}, "rate is -30.0"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "message"), REFUSED["takes"])
 def test_what_cannot_be_made_is_said(arguments, message):
     with pytest.raises(ValueError, match=message):
         make_take(**arguments)

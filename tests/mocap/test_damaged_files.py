@@ -2,16 +2,12 @@
 
     pytest -m thorough tests/mocap/test_damaged_files.py
 
-mutates 100,000 files in 100 parts and cuts each format after every byte. A part that has been
-counted is not repeated until the code changes, so that an interrupted run is resumed by the same
-command; `pytest --cache-clear` begins anew.
+mutates 100,000 files in 100 parts and cuts each format after every byte.
 """
 
-import hashlib
 import json
 import time
 import tracemalloc
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +15,6 @@ from acclaim_files import AMC, ASF
 from acclaim_files import FILES as FOLDER
 from mutations import mutated
 
-import numpy_cae.mocap
 from numpy_cae.mocap import MotionFileError, load_motion
 
 BVH = (FOLDER / "leg.bvh").read_text()
@@ -113,23 +108,12 @@ PARTS, PART, MEASURED = 25, 1000, 8
 """Parts of each format, files in a part; memory is measured of every MEASURED-th file."""
 
 
-def code() -> str:
-    """A digest of the code that reads motions, and of the mutations."""
-    paths = [*sorted(Path(numpy_cae.mocap.__file__).parent.rglob("*.py")), Path(__file__)]
-    paths.append(Path(__file__).parents[1] / "mutations.py")
-    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
-
-
 @pytest.mark.parametrize(
     "part", [None, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(PARTS))]
 )
 @pytest.mark.parametrize("name", FILES)
-def test_mutated_files(tmp_path, name, part, counted, request):
+def test_mutated_files(tmp_path, name, part, counted):
     numbers = range(25) if part is None else range(PART * part, PART * (part + 1))
-    cache, key = getattr(request.config, "cache", None), f"mutations/{code()}/{name}/{part}"
-    if part is not None and cache and (before := cache.get(key, None)):
-        counted(f"{before}, in an earlier run")
-        return
     read = 0
     for number in numbers:
         data, mutations = mutated(FILES[name].encode(), np.random.default_rng([1, number]))
@@ -139,10 +123,7 @@ def test_mutated_files(tmp_path, name, part, counted, request):
     # Some mutations are harmless and some are not, or this test would test nothing.
     count = len(numbers)
     assert 0 < read < count
-    text = f"{name}, part {part}: {count} mutations, {read} read, {count - read} refused"
-    counted(text)
-    if part is not None and cache:
-        cache.set(key, text)
+    counted(f"{name}, part {part}: {count} mutations, {read} read, {count - read} refused")
 
 
 @pytest.mark.parametrize("joints,frames,seconds", [(7, 20_000, "1"), (1000, 20_000, "0.0333333")])

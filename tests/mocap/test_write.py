@@ -183,18 +183,7 @@ def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
 @pytest.fixture
 def odd(tmp_path):
     """Several separators, CRLF, a blank line, a wrap from 179 to -179 in frame 6."""
-    rows = [
-        f"\t{(170 + 3 * n + 180) % 360 - 180:.3f}  -{n}.250 1.000 {n}.5 90.000 0.125"
-        f"\t0.000 -40.500 0 {10 + n}.125 20.000 -0.000 "
-        for n in range(12)
-    ]
-    text = (
-        (FILES / "odd_hierarchy.bvh").read_text()
-        + "\n".join(rows[:7])
-        + "\n\n"
-        + "\n".join(rows[7:])
-        + "\n"
-    )
+    text = (FILES / "odd.bvh").read_text()
     (tmp_path / "odd.bvh").write_bytes(text.replace("\n", "\r\n").encode())
     return tmp_path / "odd.bvh", load_motion(tmp_path / "odd.bvh", unit=0.01), tmp_path / "new.bvh"
 

@@ -16,9 +16,8 @@ lengths: these are subject 02's.
 """
 
 import json
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,50 +27,38 @@ from numpy_cae.motion import quaternions
 from numpy_cae.motion.motion import Motion, Note, Skeleton
 
 
-@dataclass(frozen=True)
-class ExpmapRig:
-    """One layout: its name, the metres in one unit of its lengths, and the frames a second of text
-    in this layout."""
+class ExpmapRig(NamedTuple):
+    """One layout: its name, the metres in one unit of its lengths, the frames a second of text in
+    this layout, the rig in metres, the indices of its joints among all triples of angles, and the
+    numbers in a line."""
 
     name: str
     unit: float
     rate: float
-
-    @cached_property
-    def rows(self) -> list[list]:
-        """(joint, its parent, offset from the parent, optional tip) in the order of the text. The
-        tip is an offset from the joint; if a row has one, the text holds three zeros for it after
-        the joint's own numbers."""
-        file = Path(__file__).with_suffix(".json")
-        return json.loads(file.read_text(encoding="utf-8"))[self.name]
-
-    @property
-    def width(self) -> int:
-        """Numbers in a line."""
-        return 3 + 3 * sum(len(row) - 2 for row in self.rows)
-
-    @cached_property
-    def joints(self) -> np.ndarray:
-        """Indices of the joints among all triples of angles, in the order of `skeleton`."""
-        widths = [len(row) - 2 for row in self.rows]
-        return np.cumsum([0, *widths[:-1]])
-
-    @cached_property
-    def skeleton(self) -> Skeleton:
-        """The rig in metres."""
-        names = tuple(row[0] for row in self.rows)
-        return Skeleton(
-            names,
-            tuple(-1 if row[1] is None else names.index(row[1]) for row in self.rows),
-            np.array([row[2] for row in self.rows]) * self.unit,
-            {j: np.array(row[3]) * self.unit for j, row in enumerate(self.rows) if len(row) > 3},
-        )
+    skeleton: Skeleton
+    joints: np.ndarray
+    width: int
 
 
-CMU = ExpmapRig("CMU", CMU_UNIT, rate=120.0)
-HUMAN36M = ExpmapRig("Human3.6M", 0.001, rate=50.0)
+_LAYOUTS = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
+"""_LAYOUTS: (joint, its parent, offset from the parent, optional tip) in the order of the text. The
+tip is an offset from the joint; if a row has one, the text holds three zeros for it after the
+joint's own numbers."""
+
+
+def _rig(name: str, unit: float, rate: float) -> ExpmapRig:
+    rows = _LAYOUTS[name]
+    names = tuple(row[0] for row in rows)
+    parents = tuple(-1 if row[1] is None else names.index(row[1]) for row in rows)
+    tips = {joint: unit * np.array(row[3]) for joint, row in enumerate(rows) if row[3:]}
+    skeleton = Skeleton(names, parents, unit * np.array([row[2] for row in rows]), tips)
+    *joints, triples = np.cumsum([0, *(len(row) - 2 for row in rows)])
+    return ExpmapRig(name, unit, rate, skeleton, np.array(joints), int(3 + 3 * triples))
+
+
+CMU = _rig("CMU", CMU_UNIT, rate=120.0)
+HUMAN36M = _rig("Human3.6M", 0.001, rate=50.0)
 EXPMAP_RIGS = (CMU, HUMAN36M)
-
 
 _MIN_COMMAS = 40
 """_MIN_COMMAS: a line with more commas is taken for a row of numbers, not for a sentence."""
@@ -149,7 +136,7 @@ def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
     if rig is None:
         widths = " or ".join(f"{rig.width} ({rig.name})" for rig in EXPMAP_RIGS)
         raise file.error(line, f"{width} values, expected {widths}, separated by commas")
-    file.require_frames(file.count, len(rig.rows), rig.rate)
+    file.require_frames(file.count, len(rig.joints), rig.rate)
     return rig, file.table(0, width, file.count, "as in the first line", separator=",")[0]
 
 
