@@ -16,7 +16,7 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.manifold import MotionManifold, hidden_units
 from numpy_cae.motion import features_to_positions
-from numpy_cae.motion.lengths import bone_lengths, change_lengths
+from numpy_cae.motion.features import bone_lengths, change_lengths
 from studies.shared.clips import testing_of
 from studies.shared.material import Material, features_of
 from studies.shared.result import Claim, Result, Table
