@@ -17,7 +17,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
-from numpy_cae.evaluation import PCA, foot_sliding
+from numpy_cae.evaluation import foot_sliding
+from numpy_cae.evaluation.clips import clips_of
+from numpy_cae.evaluation.gaussian import Gaussian
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
@@ -31,8 +33,7 @@ from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.interpolated import missing_joints, on_curves
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
-from studies.shared.linear_denoiser import TAPS, contexts
-from studies.shared.material import LabelledTake, Material, evenly, features_of
+from studies.shared.material import LabelledTake, Material, evenly
 from studies.shared.result import Claim, Picture, Result, Table
 
 TAKES, HOLE_TAKES = 10, 16
@@ -48,7 +49,8 @@ PARTS: dict[str, tuple[Sequence[str], float]] = {
 """Name of a part to its joints, which are missing in the holes, and the share of the error of the
 best rotation curve that repair with the mask given may have."""
 DAMAGED, UNKNOWN, GIVEN = "as damaged", "repair, mask unknown", "repair, mask given"
-LINEAR, PROJECTION, JITTER, BEST = "PCA, mask given", "plain projection", "jitter", "best curve"
+LINEAR = "Gaussian of 15 frames, mask given"
+PROJECTION, JITTER, BEST = "plain projection", "jitter", "best curve"
 CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_CURVES.items()}
 """What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
 the rig on both sides. The curves are given the mask and the undamaged rotations."""
@@ -64,9 +66,8 @@ FOUND = 50.0
 CLEAN = ("change, cm", "touched, %", "sliding before, cm/s", "sliding after, cm/s", "known, %")
 """What repair does to takes without damage: mean change, share of joints and frames that it
 touched, sliding of the standing foot, share of takes that are like what the model learned from."""
-PCA_TAKES, EXPLAINED = 60, 0.95
-"""PCA is fitted to every third frame of at most PCA_TAKES takes, with as many axes as explain the
-share EXPLAINED of the variance."""
+GAUSSIAN_TAKES = 60
+"""GAUSSIAN_TAKES: the Gaussian is fitted to at most this many takes."""
 KINDS = tuple(DAMAGES)
 ERROR = (
     "error, cm. Methods with the mask given know the damaged joints and frames; `repair` smooths "
@@ -107,7 +108,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     fillings: dict[str, Filling] = {
         GIVEN: lambda motion, mask: repair(motion, manifold, mask).motion,
         **{name: partial(curve_filling, curve) for name, curve in CURVES.items()},
-        LINEAR: pca_filling(manifold, material.training),
+        LINEAR: gaussian_filling(manifold, material.training),
     }
     tables, claims, trials = [], [], {}
     for source in dict.fromkeys(take.source for take in material.testing):
@@ -128,7 +129,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         tables,
         claims,
         {"damage": Picture(lambda: _figure(source, first.values[ERROR]))},
-        note=f"The network learned from {learned} takes, PCA from {len(material.training)}.",
+        note=f"The network learned from {learned} takes. The Gaussian is fitted to training takes.",
     )
 
 
@@ -302,28 +303,16 @@ def curve_filling(curve: Curve, motion: Motion, mask: np.ndarray) -> Motion:
     return retarget(motion, positions, mask, start.at(mask.any(axis=1)))
 
 
-def pca_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
-    """PCA of the 15 frames around each frame: the missing values are the most likely ones."""
-
-    def rows(features: np.ndarray) -> np.ndarray:
-        return contexts(manifold.normalise(features)[None], TAPS)[0]
-
-    some = [rows(features)[::3] for features in features_of(manifold, evenly(takes, PCA_TAKES))]
-    fitted = PCA.fit(np.concatenate(some).astype(np.float64))
-    explained = np.cumsum(fitted.variances) / fitted.variances.sum()
-    size = int(np.searchsorted(explained, EXPLAINED)) + 1
+def gaussian_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
+    """The missing values from the mean of a Gaussian of 15 frames, given the known ones."""
+    fitted = clips_of(manifold, [take.positions for take in evenly(takes, GAUSSIAN_TAKES)])
+    gaussian = Gaussian.fit(fitted.x, fitted.real)
 
     def fill_in(motion: Motion, mask: np.ndarray) -> Motion:
         holes = Holes(Body(motion, manifold.lengths), mask)
-        features, missing = holes.features, holes.mask
-        known = np.ones(features.shape, bool)
-        known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)
-        frames = np.flatnonzero(missing.any(axis=1))
-        sure = contexts(known[None], TAPS)[0][frames]
-        found = fitted.fill(rows(features)[frames], sure, size)
-        middle = np.split(found, TAPS, axis=1)[TAPS // 2]
-        result = features.copy()
-        result[frames] = manifold.denormalise(middle)
-        return holes.filled(np.where(known, features, result))
+        known = np.ones(holes.features.shape, bool)
+        known[:, POSITIONS] = ~np.repeat(holes.mask, 3, axis=1)
+        x = gaussian.complete(manifold.normalise(holes.features)[None], known[None])[0]
+        return holes.filled(np.where(known, holes.features, manifold.denormalise(x)))
 
     return fill_in

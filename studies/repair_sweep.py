@@ -17,13 +17,13 @@ import numpy as np
 
 from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.clips import Clips
+from numpy_cae.evaluation.gaussian import Gaussian, filtered
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.complete import interpolated
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.training import zero_values
+from numpy_cae.training.interpolation import interpolated
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, Curve, curves_figure
 from studies.shared.clips import AVERAGED, NETWORK, REPEATED, Split, project_repeated, split_of
-from studies.shared.linear_denoiser import Moments
 from studies.shared.material import Material
 from studies.shared.result import Claim, Picture, Result, Table
 
@@ -33,7 +33,7 @@ HALF = 0.5
 """The p of the paper's figure 1."""
 CORRUPTED_ROW, LINEAR = "damaged, nothing done", "linear denoiser, 15 frames"
 RESCALED = ", rescaled"
-INTERPOLATED = "linear interpolation, mask given"
+INTERPOLATED = "monotone cubic (PCHIP), mask given"
 Errors = dict[str, list[float]]
 """Method to errors in cm, one for each p."""
 
@@ -74,7 +74,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 def swept(manifold: MotionManifold, split: Split, seed: int) -> Errors:
     """The errors of every method, cm, for each p."""
     baselines = repair_baselines(split)
-    moments = Moments.of(split.training.x, split.training.real)
+    gaussian = Gaussian.fit(split.training.x, split.training.real)
     errors: Errors = defaultdict(list)
     for number, p in enumerate(PS):
         rng = np.random.default_rng([seed, number])
@@ -92,7 +92,7 @@ def swept(manifold: MotionManifold, split: Split, seed: int) -> Errors:
             if bool(suffix) == manifold.rescales:
                 averaged = project_repeated(manifold, x, average_shifts=True)
                 repaired[AVERAGED + suffix] = averaged
-        repaired[LINEAR] = moments.solve(1 - p).repair(damaged)
+        repaired[LINEAR] = filtered(damaged, gaussian.linear_map(p))
         repaired[INTERPOLATED] = interpolated(damaged, known)
         for name, x in repaired.items():
             errors[name].append(split.testing.error(x))

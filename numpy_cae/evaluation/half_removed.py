@@ -4,7 +4,7 @@
 zero, the value of the mean pose, with probability 1/2. Padded frames do not count.
 
 The zeros show which values were removed. The first methods are given the zeros as they are, as in
-the paper; the last ones, whose rows begin with "mask:", use that a value that is zero is missing.
+the paper; the last ones, whose rows begin with "mask:", are given which values are missing.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,22 +12,28 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from numpy_cae.evaluation.clips import Clips, clips_of
+from numpy_cae.evaluation.gaussian import Gaussian, filtered
 from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.table import Table
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.complete import completed, interpolated
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.training import zero_values
+from numpy_cae.training.interpolation import interpolated
 
 P = 0.5
 """The probability with which a value is removed."""
-PCA_WINDOWS = 2000
-"""PCA on windows is fitted to at most this many windows, evenly spaced, to save memory."""
-HEADER = ("method", "reconstruction, cm", "half of the values removed, cm", "share", "axes of PCA")
+FITTED = 2000
+"""Baselines are fitted to at most this many windows, evenly spaced, to save memory and time."""
+PRINCIPAL = "PCA on windows, input divided by 1 - p"
+LINEAR = "linear map of 15 frames"
+GAUSSIAN = "mask: Gaussian of 15 frames"
+COMPLETED = "mask: completed by the manifold"
+HEADER = ("method", "reconstruction, cm", "half of the values removed, cm", "share")
 NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
-    "what is left of the damage. For PCA the best number of axes on the test takes is shown, for "
-    "each of the two columns, which favours PCA."
+    "what is left of the damage. PCA has the number of axes that is best for the repair of the "
+    "test takes, which favours PCA. PCA, the linear map and the Gaussian are fitted to the "
+    'training takes. Rows with "mask:" are given which values are missing.'
 )
 
 
@@ -37,78 +43,53 @@ def half_removed(
     testing: Sequence[np.ndarray],
     seed: int = 0,
 ) -> Table:
-    """Compare the network, also averaged over all shifts of its pooling grid, with no repair, the
-    mean pose and PCA; and the completion by the manifold with curves through what is left.
+    """Compare the network, also averaged over all shifts of its pooling grid, and the completion
+    by the manifold with no repair, the mean pose and the baselines.
 
-    Takes are world positions (F, 20, 3); PCA is fitted to those for training. The seed draws the
-    values that are removed. `NOTE` says how the table is read.
+    Takes are world positions (F, 20, 3); baselines are fitted to those for training. The seed draws
+    the values that are removed. `NOTE` says how the table is read.
     """
     fitted, test = (clips_of(manifold, takes) for takes in (training, testing))
     damaged = zero_values(test.x, P, np.random.default_rng(seed))
-    length, features = test.x.shape[1:]
-
-    def row(name: str, average_shifts: bool) -> list:
-        both = (test.error(manifold.project_windows(x, average_shifts)) for x in (test.x, damaged))
-        return [name, *both, None]
-
-    inputs = {"": damaged}
-    if manifold.rescales:  # PCA gets the same information as the network
-        inputs[", input divided by 1 - p"] = damaged / (1 - zeroed_fraction(damaged))
-    mean = test.error(0 * test.x)
-    rows = [
-        ["as damaged", 0.0, test.error(damaged), None],
-        ["the mean pose", mean, mean, None],
-        *_pca("PCA on frames", fitted.x, test, inputs, features),
-        *_pca("PCA on windows", fitted.evenly(PCA_WINDOWS).x, test, inputs, length * features),
-        row("the network", average_shifts=False),
-        row("the network, averaged over all shifts", average_shifts=True),
-        *([name, 0.0, test.error(x), None] for name, x in mask_given(manifold, damaged)),
-    ]
-    rows = [[name, *errors, errors[1] / rows[0][2], size] for name, *errors, size in rows]
+    before = test.error(damaged)
+    rows = [["as damaged", 0.0, before], ["the mean pose", *2 * [test.error(0 * test.x)]]]
+    for name, undamaged, repaired in Repairs(manifold, fitted.evenly(FITTED)).of(test, damaged, P):
+        rows.append([name, test.error(undamaged), test.error(repaired)])
+    rows = [[*row, row[2] / before] for row in rows]
     return Table(f"{len(testing)} test takes, {len(test)} windows:", HEADER, rows, best="low")
 
 
-def mask_given(manifold: MotionManifold, damaged: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """The name and the result of each method that is given which values are missing."""
-    known = damaged != 0
-    lines = interpolated(damaged, known)
-    yield "mask: linear interpolation", lines
-    yield "mask: monotone cubic (PCHIP)", pchip_windows(damaged, known)
+class Repairs:
+    """The methods of the table, with baselines fitted to windows of training takes."""
 
-    def project(x: np.ndarray) -> np.ndarray:
-        return manifold.project_windows(x, average_shifts=True)
+    def __init__(self, manifold: MotionManifold, fitted: Clips):
+        self.manifold = manifold
+        self.pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
+        self.gaussian = Gaussian.fit(fitted.x, fitted.real)
 
-    yield "mask: completed by the manifold", completed(damaged, known, lines, project, interpolated)
+    def of(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
+        """The name of each method, and what it makes of the undamaged windows and of the damaged
+        ones, in which zeros, a share p of the values, are missing."""
+        divided = damaged / (1 - zeroed_fraction(damaged))
+        size = min(self.pca.sizes, key=lambda n: test.error(self.pca.project(divided, n)))
+        yield PRINCIPAL, *(self.pca.project(x, size) for x in (test.x, divided))
+        weights = self.gaussian.linear_map(p)
+        yield LINEAR, *(filtered(x, weights) for x in ((1 - p) * test.x, damaged))
+        for name, shifts in (("the network", False), ("the network, averaged over shifts", True)):
+            yield name, *(self.manifold.project_windows(x, shifts) for x in (test.x, damaged))
+        known = damaged != 0
+        yield "mask: linear interpolation", test.x, lines(damaged, known)
+        yield "mask: monotone cubic (PCHIP)", test.x, interpolated(damaged, known)
+        yield GAUSSIAN, test.x, self.gaussian.complete(damaged, known)
+        yield COMPLETED, test.x, self.manifold.complete_windows(damaged, known)
 
 
-def pchip_windows(x: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Windows (N, T, C) interpolated over time by PCHIP through the values of a mask; before the
-    first and after the last of them the value is repeated, and a column with less than two is
-    interpolated linearly."""
-    from scipy.interpolate import PchipInterpolator  # slow to import
-
-    filled = interpolated(x, known)
+def lines(x: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Windows (N, T, C) interpolated linearly over time, each column by itself; before the first
+    and after the last known value this value is repeated, and a column without one is zero."""
+    filled = np.zeros_like(x)
     frames = np.arange(x.shape[1])
-    for window, column in np.argwhere(known.sum(axis=1) > 1):
+    for window, column in np.argwhere(known.any(axis=1)):
         keys = np.flatnonzero(known[window, :, column])
-        curve = PchipInterpolator(keys, x[window, keys, column])
-        filled[window, :, column] = curve(np.clip(frames, keys[0], keys[-1]))
+        filled[window, :, column] = np.interp(frames, keys, x[window, keys, column])
     return filled
-
-
-def _pca(
-    name: str, x: np.ndarray, test: Clips, inputs: dict[str, np.ndarray], numbers: int
-) -> list[list]:
-    """A row for each input of PCA, fitted to x in rows of this many numbers, at the best number
-    of axes for each column."""
-    pca = PCA.fit(x.reshape(-1, numbers))
-
-    def best(x: np.ndarray) -> tuple[float, int]:
-        return min((test.error(pca.project(x, size)), size) for size in pca.sizes)
-
-    reconstruction, size = best(test.x)
-    repairs = {name + kind: best(damaged) for kind, damaged in inputs.items()}
-    return [
-        [kind, reconstruction, repair, f"{size}; {repair_size}"]
-        for kind, (repair, repair_size) in repairs.items()
-    ]

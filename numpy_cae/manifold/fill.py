@@ -122,7 +122,8 @@ def kinds_of_holes(missing: np.ndarray) -> np.ndarray:
     Text would take four times the memory of bytes, 0.6 GB for an hour at 120 Hz.
     """
     kinds = np.full(missing.shape, b"pose")
-    kinds[:, _ARMS], kinds[:, _LEGS] = b"arm", b"leg"
+    kinds[:, _ARMS] = b"arm"
+    kinds[:, _LEGS] = b"leg"
     with_parent = runs_with(missing, missing[:, [0, *PARENTS[1:]]])
     kinds[:, _ENDS] = np.where(with_parent, kinds, b"end")[:, _ENDS]
     with_hips = runs_with(missing, np.repeat(missing[:, :1], len(JOINTS), axis=1))

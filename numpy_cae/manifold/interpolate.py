@@ -65,7 +65,7 @@ def interpolate(
     frames = min(len(first), len(second))
     if frames == 0:
         raise ValueError("a motion has no frames to interpolate")
-    one, other = manifold.encode(first[:frames]), manifold.encode(second[:frames])
+    one, other = (manifold.encode(features[:frames]) for features in (first, second))
     # A hidden frame is made from 8 frames; the first begins `receptive_radius` before the clip.
     middles = (np.arange(len(one)) + 0.5) * manifold.stride - 0.5 - manifold.receptive_radius
     nearest = np.clip(middles.round().astype(int), 0, frames - 1)

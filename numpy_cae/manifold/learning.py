@@ -1,12 +1,13 @@
 """Learning manifolds: holden2015, sections 4 and 6; jang2018, "Experimental Setup"."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 
-from numpy_cae.manifold.augmentation import mirrored
-from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
+from numpy_cae.fast import accelerate
+from numpy_cae.manifold.augmentation import damaged_chains, mirrored
+from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion.angles import AngleSequence
@@ -25,15 +26,20 @@ this times that of all: a person lying down among people standing would make tra
 MIN_SPREAD = 1e-3
 """MIN_SPREAD: a spread (m, rad) smaller than this may be rounding error. Instead of it a sequential
 network divides by 1, and a convolutional one by MIN_SPREAD."""
-HIDDEN, LATENT, BURN_IN = 128, 8, 5
-"""Units of each GRU, size of z, steps of the decoder before the first frame.
-
-jang2018 states none of them (docs/lab_book/sequence_claims.md)."""
+HIDDEN = 128
+"""HIDDEN: units of each GRU. jang2018 states neither this number nor the next two
+(docs/lab_book/sequence_claims.md)."""
+LATENT = 8
+"""LATENT: the size of z."""
+BURN_IN = 5
+"""BURN_IN: steps of the decoder before the first frame."""
 MOST_MEASURED = 20
 """MOST_MEASURED: the error while a network learns is that of at most so many test takes."""
-CLIP_STEP, MOST_CLIPS = 5, 4000
+CLIP_STEP = 5
 """CLIP_STEP: the mean and deviation are computed from clips that start this many frames apart, or
-further apart where there would be more than MOST_CLIPS of them, to bound memory."""
+further apart where there would be more than `MOST_CLIPS` of them."""
+MOST_CLIPS = 4000
+"""MOST_CLIPS: the mean and deviation are computed from about this many clips, to bound memory."""
 
 
 def learn_manifold(
@@ -65,7 +71,7 @@ def learn_manifold(
     filters, taps, bound
         As in `ConvAutoencoder`.
     report, checkpoint, engine
-        As in `train_autoencoder` and `with_engine`.
+        As in `train_autoencoder`; the engine is that of `load_manifold`.
     mirror : bool
         Whether to learn from mirrored copies of the takes as well.
     testing : sequence of (F, 20, 3) arrays of float
@@ -100,13 +106,14 @@ def learn_manifold(
         raise ValueError("there are no takes to learn from")
     if mirror:
         takes = [*takes, *(mirrored(take) for take in takes)]
-    schedule = schedule or Schedule()
+    schedule = _with_chains(schedule or Schedule())
     overlap = window // 2 if overlap is None else overlap
     rng = np.random.default_rng(seed)
-    initial = ConvAutoencoder(
+    network = ConvAutoencoder(
         filters=filters, taps=taps, bound=bound, rng=rng, initial=schedule.initial
     )
-    network = with_engine(initial, engine)
+    if engine == "fast":
+        network = accelerate(network)
     if window % network.stride:
         raise ValueError(f"window is {window}, expected a multiple of {network.stride}")
 
@@ -154,6 +161,14 @@ def with_error(
             report(state)
 
     return measured
+
+
+def _with_chains(schedule: Schedule) -> Schedule:
+    """The schedule with the chains of joints that the damage of fine tuning needs, if any."""
+    fine_tuning = schedule.fine_tuning
+    if fine_tuning.chains or not (fine_tuning.interpolated or fine_tuning.displacement):
+        return schedule
+    return replace(schedule, fine_tuning=replace(fine_tuning, chains=damaged_chains()))
 
 
 def learn_sequences(
@@ -220,8 +235,9 @@ def untrained_sequences(
     step = max(CLIP_STEP, sum(map(len, sequences)) // MOST_CLIPS)
     clips = cut_clips(sequences, step, frames)
     network = SequentialAutoencoder(len(table.columns), hidden, latent, rng, burn_in=burn_in)
-    model = with_engine(network, engine)
-    manifold = SequenceManifold(model, *mean_and_deviation(clips), table, bones)
+    if engine == "fast":
+        network = accelerate(network)
+    manifold = SequenceManifold(network, *mean_and_deviation(clips), table, bones)
     manifold.frames = frames
     return manifold
 
@@ -235,7 +251,8 @@ def train_on_sequences(
     checkpoint: Checkpoint | None = None,
 ) -> None:
     """Train the network of the manifold in place, on random clips of the motions."""
-    schedule, frames = schedule or SequenceSchedule(), manifold.frames
+    schedule = schedule or SequenceSchedule()
+    frames = manifold.frames
 
     def draw(rng: np.random.Generator, batch: int) -> np.ndarray:
         return manifold.normalise(draw_clips(sequences, batch, rng, frames))

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.array_file import load_arrays
+from numpy_cae.fast import accelerate
 from numpy_cae.manifold import motion_manifold, sequence_manifold
-from numpy_cae.manifold.motion_manifold import MotionManifold, with_engine
+from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 
 Manifold = MotionManifold | SequenceManifold
@@ -45,7 +46,8 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
         sequence_manifold.FORMAT: SequenceManifold.from_arrays,
     }
     manifold = load_arrays(path, readers)
-    manifold.network = with_engine(manifold.network, engine)
+    if engine == "fast":
+        manifold.network = accelerate(manifold.network)
     return manifold
 
 

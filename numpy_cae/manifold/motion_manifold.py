@@ -5,13 +5,11 @@ from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from itertools import pairwise
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
 from numpy_cae.array_file import save_arrays
-from numpy_cae.fast import accelerate
-from numpy_cae.manifold.complete import completed, interpolated
+from numpy_cae.manifold.complete import completed
 from numpy_cae.manifold.model_arrays import (
     MAX_FRAMES,
     MAX_LENGTH,
@@ -34,16 +32,7 @@ from numpy_cae.motion.features import (
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH
-
-Network = TypeVar("Network")
-
-
-def with_engine(network: Network, engine: str) -> Network:
-    """The network: accelerated by `numpy_cae.fast` if `engine` is "fast", plain if it is "ops"."""
-    if engine not in ("fast", "ops"):
-        raise ValueError(f"engine is {engine!r}, expected 'fast' or 'ops'")
-    return accelerate(network) if engine == "fast" else network
-
+from numpy_cae.training.interpolation import interpolated
 
 FORMAT = "numpy_cae convolutional manifold 3"
 """FORMAT: the only format that is read; a file of another version has to be made again."""
@@ -181,8 +170,11 @@ class MotionManifold:
 
             X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
 
-        P is the projection averaged over all shifts of the pooling grid and I the linear
-        interpolation over time; N = 3.
+        in normalised features. P is the projection averaged over all shifts of the pooling grid,
+        as `project` has it, and I is PCHIP over time, each feature by itself; before the first and
+        after the last known value this value is repeated. The iteration ends with X_5, or with the
+        first X_{n+1} for which ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. Memory is that of a projection
+        and about ten arrays of the size of the features.
 
         Parameters
         ----------
@@ -195,8 +187,9 @@ class MotionManifold:
         Returns
         -------
         (F, 63) array of float64
-            Known values as they are given. A feature without a known value starts as that of the
-            mean pose, and is what the network makes of the others.
+            Known values as they are given. For a feature without a known value I is 0, the mean
+            pose: it starts there, and is then P of the last but one iterate, what the network
+            makes of the other features. Where nothing is known all of X_0 is the mean pose.
 
         Raises
         ------
@@ -233,6 +226,15 @@ class MotionManifold:
 
         found = completed(x, known[None], interpolated(x, known[None]), project, interpolated)[0]
         return np.where(known, features, self.denormalise(found))
+
+    def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """As `complete`, of normalised windows (N, F, 63) as in training, with zeros around them;
+        the iteration ends for all of them together."""
+
+        def project(x: np.ndarray) -> np.ndarray:
+            return self.project_windows(x, average_shifts=True)
+
+        return completed(x, known, interpolated(x, known), project, interpolated)
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""
@@ -283,7 +285,8 @@ class MotionManifold:
             "window": np.array(self.window),
         }
         for number, layer in enumerate(layers, start=1):
-            arrays[f"w{number}"], arrays[f"b{number}"] = layer.w, layer.b
+            arrays[f"w{number}"] = layer.w
+            arrays[f"b{number}"] = layer.b
         if half:
             weights = [name for name in arrays if name[1:].isdigit()]
             arrays |= {name: arrays[name].astype(np.float16) for name in weights}
@@ -296,7 +299,8 @@ class MotionManifold:
             raise ValueError("its twenty joints are not those of this version")
         # Filters w and biases b of each layer; where one array is missing, this raises KeyError.
         count = -(-sum(name[0] in "wb" and name[1:].isdigit() for name in arrays) // 2)
-        taps, filters = len(arrays["w1"]), [arrays[f"b{n}"].size for n in range(1, count + 1)]
+        taps = len(arrays["w1"])
+        filters = [arrays[f"b{n}"].size for n in range(1, count + 1)]
         # Before a network of these sizes is made:
         for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
             numbers(arrays, f"w{number}", (taps, below, above))

@@ -47,7 +47,8 @@ def project_shifted(
 
 
 def _mean_projection(network: ConvAutoencoder, x: np.ndarray, shifts: int) -> np.ndarray:
-    total, frames = network.project(x), x.shape[1]
+    total = network.project(x)
+    frames = x.shape[1]
     # Zeros, as the convolution's own padding, to a whole number of hidden frames.
     around = [((0, 0), (shift, network.stride - shift), (0, 0)) for shift in range(1, shifts)]
     if around:

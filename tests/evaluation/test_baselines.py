@@ -1,15 +1,15 @@
-"""The simple methods against their definitions: PCA, the linear denoiser, interpolation."""
+"""The simple methods against their definitions: PCA, the Gaussian, the linear map, curves."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import PchipInterpolator
 
-from numpy_cae.evaluation import PCA
-from numpy_cae.manifold.complete import interpolated
-from studies.shared.linear_denoiser import LinearDenoiser, Moments, contexts
-
-TAPS = 5
+from numpy_cae.evaluation import PCA, gaussian
+from numpy_cae.evaluation.gaussian import Gaussian, contexts, filtered
+from numpy_cae.evaluation.half_removed import lines
+from numpy_cae.training.interpolation import interpolated
 
 
 @pytest.mark.parametrize("shape", [(400, 63), (60, 300)])
@@ -29,58 +29,72 @@ def test_the_axes_are_those_of_a_singular_value_decomposition(shape):
     np.testing.assert_allclose(pca.axes @ pca.axes.T, np.eye(count), atol=1e-7)
 
 
-def test_missing_entries_are_the_conditional_mean_of_a_gaussian():
-    rng = np.random.default_rng(3)
-    rows = rng.normal(size=(4000, 3)) @ rng.normal(size=(3, 3))
-    pca = PCA.fit(rows)
-    mean, cov = rows.mean(axis=0), np.cov(rows.T, bias=True)
-    expected = mean[2] + cov[2, :2] @ np.linalg.solve(cov[:2, :2], rows[0, :2] - mean[:2])
-    filled = pca.fill(rows[:1], np.array([[True, True, False]]), 3)
-    assert filled[0, 2] == pytest.approx(expected, rel=1e-4)
-
-
-@pytest.fixture(scope="module")
-def windows():
-    """Smooth and correlated, like motion: sums of slow waves."""
+@pytest.fixture
+def windows(monkeypatch):
+    """Smooth and correlated, like motion: sums of slow waves; rows of three frames, no ridge."""
+    monkeypatch.setattr(gaussian, "TAPS", 3)
+    monkeypatch.setattr(gaussian, "TOGETHER", 1)
+    monkeypatch.setattr(gaussian, "RIDGE", 0.0)
     rng = np.random.default_rng(0)
     t = np.arange(40) / 40
     waves = np.stack([np.sin(2 * np.pi * (k * t + rng.random((30, 1)))) for k in (1, 2, 3)], -1)
     return waves @ rng.normal(size=(3, 2)) + 0.3 * rng.normal(size=(30, 40, 2))
 
 
-@pytest.mark.parametrize("kept", [(0.7, 0.7), (0.7, 0.4), (1.0, 1e-9)])
-def test_the_weights_solve_the_normal_equations_over_all_masks(windows, kept):
-    """The normal equations summed over all 2^6 masks of six values, each by its probability, have
-    the analytic solution."""
-    moments = Moments.of(windows, np.ones((30, 40), bool), taps=3)
-    z, k, size = contexts(windows, 3).reshape(-1, 6), np.tile(kept, 3), 6
+def test_the_linear_map_solves_the_normal_equations_over_all_masks(windows):
+    """Summed over all 2^6 masks of six values, each by its probability."""
+    fitted, size = Gaussian.fit(windows, np.ones((30, 40), bool)), 6
+    z = np.concatenate([contexts(window) for window in windows])
     m, b = np.zeros((size, size)), np.zeros((size, 2))
     for bits in range(2**size):
         mask = np.array([bits >> i & 1 for i in range(size)])
-        chance = np.prod(np.where(mask, k, 1 - k)) / len(z)
+        chance = 0.7 ** mask.sum() * 0.3 ** (size - mask.sum()) / len(z)
         m += chance * (mask * z).T @ (mask * z)
         b += chance * (mask * z).T @ windows.reshape(-1, 2)
-    solved = moments.solve(np.array(kept), ridge=0).weights.reshape(size, 2)
+    solved = fitted.linear_map(0.3).reshape(size, 2)
     np.testing.assert_allclose(m @ solved, b, rtol=1e-6, atol=1e-12)
-
-
-def test_padded_frames_do_not_count_and_repair_pads_with_zeros(windows):
-    real = np.ones((30, 40), bool)
-    real[:, 30:] = False
-    changed = windows.copy()
-    changed[:, 30 + TAPS // 2 :] = 100.0
-    ours, theirs = (Moments.of(x, real, TAPS).second for x in (windows, changed))
-    np.testing.assert_array_equal(ours, theirs)
     weights = np.array([100.0, 10.0, 1.0]).reshape(3, 1, 1)
-    repaired = LinearDenoiser(weights).repair(np.array([1.0, 2.0, 3.0]).reshape(1, 3, 1))
-    assert repaired.ravel().tolist() == [12, 123, 230]
+    padded_with_zeros = filtered(np.array([1.0, 2.0, 3.0]).reshape(1, 3, 1), weights)
+    assert padded_with_zeros.ravel().tolist() == [12, 123, 230]
 
 
-@given(st.integers(0, 2**32 - 1))
-def test_lines_are_restored_from_any_holes(seed):
+def test_the_gaussian_estimates_the_conditional_mean_of_five_frames_in_fifteen():
+    rng = np.random.default_rng(1)
+    x = np.cumsum(rng.normal(size=(60, 23, 2)), axis=1)
+    fitted = Gaussian.fit(x, np.ones((60, 23), bool))
+    rows = np.pad(x, ((0, 0), (7, 7), (0, 0)))
+    rows = np.stack([rows[n, t : t + 15].ravel() for n in range(60) for t in range(23)])
+    mean, covariance = rows.mean(axis=0), np.cov(rows.T, bias=True)
+    covariance += gaussian.RIDGE * np.diag(covariance).mean() * np.eye(30)
+    known = rng.random((23, 2)) < 0.5
+    known[15:] = True
+    expected = x[0].copy()
+    for start in (0, 5, 10):
+        o = [(t, c) for t in range(start - 5, start + 10) for c in (0, 1) if 0 <= t < 23]
+        o = [(t, c) for t, c in o if known[t, c]]
+        at = [2 * (t - start + 5) + c for t, c in o]
+        gap = np.array([x[0][each] for each in o]) - mean[at]
+        weights = np.linalg.solve(covariance[np.ix_(at, at)], gap)
+        for t, c in np.argwhere(~known[start : start + 5]) + [start, 0]:
+            place = 2 * (t - start + 5) + c
+            expected[t, c] = mean[place] + covariance[place, at] @ weights
+    completed = fitted.complete(np.where(known, x[:1], 99), known[None])[0]
+    np.testing.assert_allclose(completed, expected, atol=1e-6)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_curves_are_those_of_scipy_and_numpy(seed):
     rng = np.random.default_rng(seed)
-    x = rng.normal(size=(2, 1, 3)) * np.arange(40)[:, None] + rng.normal(size=(2, 1, 3))
-    known = rng.random(x.shape) < 0.3
-    known[:, [0, -1]] = True
-    filled = interpolated(np.where(known, x, 0), known)
-    np.testing.assert_allclose(filled, x, atol=1e-9)
+    x = rng.normal(size=(2, 30, 3)).round(rng.integers(3))
+    known = rng.random(x.shape) < rng.random()
+    curve, line, frames = interpolated(x, known), lines(x, known), np.arange(30)
+    for window, column in np.ndindex(2, 3):
+        keys = np.flatnonzero(known[window, :, column])
+        values, expected, straight = x[window, keys, column], np.zeros(30), np.zeros(30)
+        if len(keys):
+            inside = np.clip(frames, keys[0], keys[-1])
+            straight = np.interp(frames, keys, values)
+            two = len(keys) > 1
+            expected = PchipInterpolator(keys, values)(inside) if two else np.full(30, values[0])
+        np.testing.assert_allclose(curve[window, :, column], expected, atol=1e-9)
+        np.testing.assert_allclose(line[window, :, column], straight, atol=1e-9)

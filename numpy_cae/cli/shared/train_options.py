@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import Any
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.manifold.augmentation import damaged_chains
 from numpy_cae.manifold.learning import HIDDEN, LATENT
 from numpy_cae.motion.clips import CLIP
 from numpy_cae.motion.windows import LENGTH
@@ -23,7 +22,6 @@ _STARTER = Stage(
     zeroed=(0.0, 0.3),
     optimiser="adam",
     rate_schedule="one-cycle",
-    chains=damaged_chains(),
     displacement=0.3,
     noise=0.02,
 )

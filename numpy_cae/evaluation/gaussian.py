@@ -1,0 +1,119 @@
+"""A Gaussian of the frames around each frame, and the linear map that follows from its moments.
+
+With z the values of `TAPS` successive frames in one row, m = E[z] and S = Cov(z), both from the
+undamaged windows of training takes, missing values are estimated by their mean given the rest,
+
+    E[z_u | z_o] = m_u + S_uo S_oo⁻¹ (z_o - m_o)
+
+where o are the known and u the unknown entries of z (`Gaussian.complete`). Where the mask is not
+given and a removed value is zero, the best linear map of z to the frame in its middle, x, is
+
+    A = argmin E ‖x - (k ∘ z) A‖² = M⁻¹ B,
+    M_ij = E[z_i z_j] (1 - p)²   (i ≠ j),   M_ii = E[z_i²] (1 - p),   B_ij = (1 - p) E[z_i x_j]
+
+for masks k that keep each value by itself with probability 1 - p (`Gaussian.linear_map`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+TAPS = 15
+"""TAPS: frames of a row, as many as a filter of holden2015 has."""
+TOGETHER = 5
+"""TOGETHER: the frames in the middle of a row that `Gaussian.complete` takes from it."""
+RIDGE = 3e-4
+"""RIDGE: this share of the mean of their diagonals is added to the diagonals of S and M. With 1e-6
+the Gaussian is a little better on takes like those it is fitted to, and four times worse on takes
+of another source (docs/lab_book/other_sources.md)."""
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """The moments of `TAPS` successive frames of normalised motion.
+
+    Parameters
+    ----------
+    mean : (TAPS · C,) array of float64
+        m, by frame, then feature.
+    second : (TAPS · C, TAPS · C) array of float64
+        E[z zᵀ]; S is E[z zᵀ] - m mᵀ.
+    """
+
+    mean: np.ndarray
+    second: np.ndarray
+
+    @classmethod
+    def fit(cls, windows: np.ndarray, real: np.ndarray) -> Gaussian:
+        """From whole windows (N, T, C), around the frames that are `real`, (N, T) bool; frames
+        beyond a window are zero."""
+        size = TAPS * windows.shape[-1]
+        total = np.zeros(size)
+        second = np.zeros((size, size))
+        for window, counts in zip(windows, real, strict=True):
+            z = contexts(window)[counts].astype(np.float64)
+            total += z.sum(axis=0)
+            second += z.T @ z
+        frames = np.count_nonzero(real)
+        return cls(total / frames, second / frames)
+
+    def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).
+
+        Frames 0 to 4, 5 to 9, … (`TOGETHER`) are each estimated from the row z in whose middle
+        they are. Frames beyond a window are unknown.
+        """
+        from scipy.linalg import solve  # slow to import
+
+        covariance = _with_ridge(self.second - np.outer(self.mean, self.mean))
+        before = (TAPS - TOGETHER) // 2
+        around = ((0, 0), (before, TAPS), (0, 0))
+        rows = np.pad(x, around)
+        seen = np.pad(known, around)
+        estimates = np.array(x, dtype=np.float64)
+        for window, start in np.ndindex(len(x), -(-x.shape[1] // TOGETHER)):
+            frames = slice(start * TOGETHER, start * TOGETHER + TAPS)
+            o = np.flatnonzero(seen[window, frames])
+            part = estimates[window, frames.start : frames.start + TOGETHER]
+            if seen[window, frames][before : before + len(part)].all():
+                continue
+            gap = rows[window, frames].ravel()[o] - self.mean[o]
+            weights = np.zeros(len(self.mean))
+            weights[o] = solve(covariance[np.ix_(o, o)], gap, assume_a="pos")
+            row = (self.mean + covariance @ weights).reshape(TAPS, -1)
+            part[...] = row[before : before + len(part)]
+        return np.where(known, x, estimates)
+
+    def linear_map(self, p: float) -> np.ndarray:
+        """A for values that are zero with probability p, (TAPS, C, C): `filtered` applies it."""
+        size = len(self.mean) // TAPS
+        middle = slice(TAPS // 2 * size, (TAPS // 2 + 1) * size)
+        m = (1 - p) ** 2 * self.second
+        np.fill_diagonal(m, (1 - p) * np.diag(self.second))
+        a = np.linalg.solve(_with_ridge(m), (1 - p) * self.second[:, middle])
+        return a.reshape(TAPS, size, size)
+
+
+def filtered(x: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """y_t = Σ_k x_{t + k - TAPS//2} A_k, windows (N, T, C) to the same; zero beyond a window."""
+    frames = x.shape[-2]
+    padded = _padded(x)
+    return sum(padded[:, k : k + frames] @ a for k, a in enumerate(weights))
+
+
+def contexts(window: np.ndarray) -> np.ndarray:
+    """z: the `TAPS` frames around each frame as one row, (T, C) to (T, TAPS · C)."""
+    around = sliding_window_view(_padded(window[None])[0], TAPS, axis=0)  # (T, C, TAPS)
+    return around.swapaxes(-1, -2).reshape(len(window), -1)
+
+
+def _padded(windows: np.ndarray) -> np.ndarray:
+    return np.pad(windows, ((0, 0), (TAPS // 2, TAPS // 2), (0, 0)))
+
+
+def _with_ridge(matrix: np.ndarray) -> np.ndarray:
+    diagonal = np.diag(matrix)
+    return matrix + RIDGE * diagonal.mean() * np.eye(len(diagonal))
