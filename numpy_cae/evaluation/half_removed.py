@@ -26,6 +26,7 @@ FITTED = 2000
 """Baselines are fitted to at most this many windows, evenly spaced, to save memory and time."""
 PRINCIPAL = "PCA on windows, input divided by 1 - p"
 LINEAR = "linear map of 15 frames"
+PCHIP = "mask: monotone cubic (PCHIP)"
 GAUSSIAN = "mask: Gaussian of 15 frames"
 COMPLETED = "mask: completed by the manifold"
 HEADER = ("method", "reconstruction, cm", "half of the values removed, cm", "share")
@@ -79,7 +80,7 @@ class Repairs:
             yield name, *(self.manifold.project_windows(x, shifts) for x in (test.x, damaged))
         known = damaged != 0
         yield "mask: linear interpolation", test.x, lines(damaged, known)
-        yield "mask: monotone cubic (PCHIP)", test.x, interpolated(damaged, known)
+        yield PCHIP, test.x, interpolated(damaged, known)
         yield GAUSSIAN, test.x, self.gaussian.complete(damaged, known)
         yield COMPLETED, test.x, self.manifold.complete_windows(damaged, known)
 

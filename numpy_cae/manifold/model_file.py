@@ -41,6 +41,8 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
     Traceback (most recent call last):
     numpy_cae.array_file.ModelFileError: missing.npz: No such file or directory
     """
+    if engine not in ("fast", "ops"):
+        raise ValueError(f"engine is {engine!r}, expected 'fast' or 'ops'")
     readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
         motion_manifold.FORMAT: MotionManifold.from_arrays,
         sequence_manifold.FORMAT: SequenceManifold.from_arrays,

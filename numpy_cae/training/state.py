@@ -66,7 +66,7 @@ class TrainingState:
     restored: dict[str, np.ndarray] = field(default_factory=dict)  # the optimiser's, from a file
 
     name: str = ""  # name of the stage, such as "layer 1"
-    optimiser: Sgd | Adam = field(init=False)  # of the stage
+    optimiser: Sgd | Adam = field(default_factory=lambda: Sgd({}))
     epochs: int = 0  # epochs of the stage
     steps: int = 0  # steps in an epoch
     examples: int = 0  # examples in an epoch

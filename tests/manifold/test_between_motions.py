@@ -69,12 +69,6 @@ def test_a_transition_begins_as_the_first_and_ends_as_the_second(walk_manifold, 
     np.testing.assert_allclose(shares(TRANSITION, 5)[:, 0], [0, 0.25, 0.5, 0.75, 1])
 
 
-@pytest.mark.parametrize("share", [-0.1, 1.1, np.nan, "half"])
-def test_an_invalid_share_is_refused(walk_manifold, features, share):
-    with pytest.raises(ValueError, match="expected 0 to 1"):
-        interpolate(walk_manifold, features[0], features[1], share)
-
-
 def test_the_fitted_prior_stays_between_windows(walk_manifold, features):
     encoded = encode_windows(walk_manifold, features)
     assert encoded.shape[1:] == (8, 24)
@@ -129,11 +123,12 @@ def test_inside_a_long_clip_the_hidden_units_are_those_of_the_network(walk_manif
     ("use", "message"),
     [
         (lambda manifold, clip: interpolate(manifold, clip[:0], clip, 0.5), "no frames"),
+        (lambda manifold, clip: interpolate(manifold, clip, clip, np.nan), "expected 0 to 1"),
         (lambda manifold, clip: hidden_units(manifold, clip[:0]), "no frames"),
         (lambda manifold, clip: encode_windows(manifold, [clip[:20]]), "window of 32 frames"),
         (lambda manifold, clip: sample(manifold, 0, None), "expected 1 or more"),
     ],
 )
-def test_too_few_frames_are_refused(walk_manifold, features, use, message):
+def test_too_few_frames_and_an_invalid_share_are_refused(walk_manifold, features, use, message):
     with pytest.raises(ValueError, match=message):
         use(walk_manifold, features[0])

@@ -1,5 +1,7 @@
 """One source left out of training and measured on."""
 
+import numpy as np
+
 from data_synth import plan_takes, write_series
 from numpy_cae.training import Schedule, Stage
 from studies import sources
@@ -9,7 +11,11 @@ def test_each_folder_is_left_out_once(tmp_path, monkeypatch):
     quick = Schedule(Stage(epochs=0), Stage(epochs=1, rescaled=True), initial="passing", rms=0.1)
     monkeypatch.setattr(sources, "recipe", lambda name: quick)
     for kind in ("walk", "squats"):
-        write_series(plan_takes(0.2, 1, [kind]), tmp_path / kind, rate=30.0)
-    rows = sources.run([tmp_path / "walk", tmp_path / "squats"]).tables[0].rows
-    assert [row[0] for row in rows] == 6 * ["walk"] + 6 * ["squats"]
-    assert all(0 <= row[2] < 1000 and 0 < row[3] < 1000 for row in rows)
+        write_series(plan_takes(0.4, 1, [kind]), tmp_path / kind, rate=30.0)
+    result = sources.run([tmp_path / "walk", tmp_path / "squats"])
+    captions = [table.caption for table in result.tables]
+    assert captions[0] == "walk, left out:" and captions[3].startswith("squats, later takes")
+    for table in result.tables:
+        means = [[float(cell.split()[0]) for cell in row[1:]] for row in table.rows]
+        assert np.all(np.diff(means, axis=1) > 0) and len(means) == 8
+    assert [claim.of for claim in result.claims] == ["walk", "squats"]

@@ -267,13 +267,10 @@ def test_a_loss_that_is_not_finite_changes_no_weight(schedule):
     assert all(np.array_equal(array, before[name]) for name, array in after.items())
 
 
-@pytest.mark.parametrize(("at_step", "fails"), [(0, False), (1, True)])
-def test_weights_are_checked_at_the_end_of_an_epoch(at_step, fails):
+def test_weights_are_checked_at_the_end_of_an_epoch():
     state = TrainingState({"w1": np.ones(2), "b1": np.array([np.inf])}, np.random.default_rng(0))
     state.begin_stage("layer 1", sgd.Sgd({}), epochs=1, steps=2, examples=2)
-    state.step = at_step
-    if fails:
-        with pytest.raises(DivergedError, match=r"step 2: .* at rate 0\.5; not finite: b1; there"):
-            state.require_finite(0.1, WINDOWS, 0.5)
-    else:
+    state.require_finite(0.1, WINDOWS, 0.5)
+    state.step = 1
+    with pytest.raises(DivergedError, match=r"step 2: .* at rate 0\.5; not finite: b1; there"):
         state.require_finite(0.1, WINDOWS, 0.5)

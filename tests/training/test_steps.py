@@ -7,7 +7,6 @@ from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
 from numpy_cae.training import step as module
 from numpy_cae.training.schedule import one_cycle, rate_at
-from numpy_cae.training.sgd import descend_with_momentum
 
 
 def test_only_a_layer_by_itself_is_unpooled_at_random_with_probability_one_half():
@@ -25,16 +24,6 @@ def test_directions_have_length_one_and_no_preferred_direction():
     np.testing.assert_allclose(np.linalg.norm(drawn, axis=1), 1, atol=1e-6)
     np.testing.assert_allclose(drawn.mean(axis=0), 0, atol=0.05)
     np.testing.assert_allclose(drawn.T @ drawn / 2000, np.eye(3) / 3, atol=0.03)
-
-
-def test_momentum_adds_up_where_the_gradient_keeps_its_sign_and_cancels_where_it_does_not():
-    w, velocity = np.zeros(2), np.zeros(2)
-    for step in range(200):
-        gradient = np.array([1.0, (-1.0) ** step])
-        descend_with_momentum((w,), (velocity,), (gradient,), rate=0.01, momentum=0.9)
-    np.testing.assert_allclose(velocity[0], -0.01 / (1 - 0.9), rtol=1e-6)
-    np.testing.assert_allclose(abs(velocity[1]), 0.01 / (1 + 0.9), rtol=1e-6)
-    assert w[0] < -15 and abs(w[1]) < 0.1
 
 
 def test_adam_is_its_definition_as_a_sum_over_all_gradients():
@@ -60,11 +49,6 @@ def test_a_long_gradient_keeps_its_direction_and_a_short_one_its_values():
     for bound in (0.0, -1.0, np.nan):
         with pytest.raises(ValueError, match="above 0"):
             clip_norm([np.ones(2)], bound)
-
-
-def test_a_stage_names_the_optimiser_and_its_momentum():
-    assert module.make_optimiser(Stage(momentum=0.9), {"w": np.zeros(2)}).momentum == 0.9
-    assert isinstance(module.make_optimiser(Stage(optimiser="adam"), {}), Adam)
 
 
 def test_a_one_cycle_rate_rises_to_its_peak_and_falls_to_nearly_zero():
