@@ -2,7 +2,6 @@
 
     subjects/02/02.asf, subjects/02/02_01.amc     a skeleton and its takes
     search.php?subjectnumber=2                    a page that links a subject's files
-    allasfamc.zip                                 all of them
 
 The site publishes no checksums. The first download of a file is therefore not checked; its SHA-256
 is written to `checksums.txt` in the folder. Every file that is listed there is compared with its
@@ -14,7 +13,6 @@ import io
 import re
 import time
 import urllib.request
-import zipfile
 from collections.abc import Callable, Sequence
 from functools import partial
 from http.client import HTTPException
@@ -25,9 +23,8 @@ from urllib.error import HTTPError
 from numpy_cae.errors import NumpyCaeError
 
 SITE = "http://mocap.cs.cmu.edu"
-ARCHIVE = "allasfamc.zip"
 CHECKSUMS = "checksums.txt"
-KNOWN = re.compile(rf"(\d{{2,3}})/\1(\.asf|_\d{{2,3}}\.amc)|{re.escape(ARCHIVE)}")
+KNOWN = re.compile(r"(\d{2,3})/\1(\.asf|_\d{2,3}\.amc)")
 """KNOWN: names of files in the folder; no other file is written."""
 PAUSE = 0.2
 """PAUSE: seconds before each request; the site asks not to be crawled."""
@@ -35,8 +32,8 @@ PATIENCE = 60.0
 """PATIENCE: a download ends with an error if nothing arrives for this time (s)."""
 SLOWEST = 10_000
 """SLOWEST: or if less than this arrives on average after that time (bytes a second)."""
-MOST_BYTES = {"search": 1_000_000, "file": 100_000_000, "archive": 4_000_000_000}
-"""MOST_BYTES: or if more arrives than this. The archive has about a gigabyte."""
+MOST_BYTES = 100_000_000
+"""MOST_BYTES: or if a file or a page has more bytes than this."""
 TERMS = """\
 mocap.cs.cmu.edu says: "This data is free for use in research projects. You may include this data
 in commercially-sold products, but you may not resell this data directly, even in converted form."
@@ -51,7 +48,7 @@ class DownloadError(NumpyCaeError):
 
 def download_cmu(
     folder: str | Path,
-    subjects: Sequence[int] | None = None,
+    subjects: Sequence[int],
     site: str = SITE,
     show_progress: bool = False,
 ) -> list[Path]:
@@ -61,12 +58,12 @@ def download_cmu(
     ----------
     folder : path
         Gets `02/02.asf`, `02/02_01.amc`, … and `checksums.txt`; created if it does not exist.
-    subjects : sequence of int, optional
-        Numbers of the subjects. By default the archive of all, which is unpacked in `folder`.
+    subjects : sequence of int
+        Numbers of the subjects, 1 to 144.
     site : str
         Address of the site or of a mirror.
     show_progress : bool
-        Show a progress bar for each file, which needs tqdm.
+        Print the name of each file.
 
     Returns
     -------
@@ -84,49 +81,36 @@ def download_cmu(
     except ImportError:
         advice = "downloads need pooch: install it with `pip install numpy_cae[download]`"
         raise DownloadError(advice) from None
-    folder = Path(folder)
-    site = site.rstrip("/")
-    checksums = folder / CHECKSUMS
+    folder, site = Path(folder), site.rstrip("/")
     downloads = pooch.create(folder, site, retry_if_failed=2)
-    if not show_progress:
-        pooch.get_logger().setLevel("WARNING")
-    files: list[str] = []
+    pooch.get_logger().setLevel("INFO" if show_progress else "WARNING")
     try:
         for name, address in _addresses(site, subjects).items():
             downloads.registry[name], downloads.urls[name] = None, address
-        downloads.registry |= _read_checksums(checksums)
+        downloads.registry |= _read_checksums(folder / CHECKSUMS)
+        download = partial(_download, pooch.HTTPDownloader(timeout=PATIENCE))
         for name in downloads.urls:
-            path = folder / name
-            if not path.exists():
+            if not (folder / name).exists():
                 time.sleep(PAUSE)
-            unzip = pooch.Unzip(extract_dir=".") if name == ARCHIVE else None
-            download = pooch.HTTPDownloader(progressbar=show_progress, timeout=PATIENCE)
-            fetched = downloads.fetch(name, unzip, partial(_download, download))
+            path = Path(downloads.fetch(name, downloader=download))
             _require_no_page(path)
-            files += fetched if unzip else [fetched]
-            if downloads.registry[name] is None:
-                downloads.registry[name] = f"sha256:{pooch.file_hash(path)}"
-    except zipfile.BadZipFile:
-        (folder / ARCHIVE).unlink()
-        problem = "is no archive (perhaps the page of a network to log in to) and was deleted"
-        raise DownloadError(f"{folder / ARCHIVE}: {problem}") from None
+            downloads.registry[name] = downloads.registry[name] or pooch.file_hash(path)
     except (OSError, ValueError, HTTPException) as error:
         if isinstance(error, HTTPError):
             error.close()  # it holds the connection open
         raise DownloadError(f"{site}: {error}") from None
     finally:
-        known = {name: checksum for name, checksum in downloads.registry.items() if checksum}
+        known = sorted(pair for pair in downloads.registry.items() if pair[1])
         if known:
-            lines = [f"{name} {checksum}" for name, checksum in sorted(known.items())]
-            checksums.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return [Path(file) for file in files if file.lower().endswith((".asf", ".amc"))]
+            lines = "".join(f"{name} {checksum}\n" for name, checksum in known)
+            (folder / CHECKSUMS).write_text(lines, encoding="utf-8")
+    return [folder / name for name in downloads.urls]
 
 
 def _download(download: Callable, url: str, output: str, registry: object) -> None:
     """Download a file with limits; `pooch` calls this."""
     with open(output, "wb") as file:
-        most = MOST_BYTES["archive" if url.endswith(ARCHIVE) else "file"]
-        download(url, _Limited(url, file, most), registry)
+        download(url, _Limited(url, file, MOST_BYTES), registry)
 
 
 class _Limited:
@@ -174,15 +158,13 @@ def _require_no_page(path: Path) -> None:
         raise ValueError(f"{path}: {problem}")
 
 
-def _addresses(site: str, subjects: Sequence[int] | None) -> dict[str, str]:
+def _addresses(site: str, subjects: Sequence[int]) -> dict[str, str]:
     """The files to download, by their names in the folder: a skeleton before its takes."""
-    if subjects is None:
-        return {ARCHIVE: f"{site}/{ARCHIVE}"}
     addresses = {}
     for subject in subjects:
         number = f"{subject:02d}"
         address = f"{site}/search.php?subjectnumber={subject}"
-        text = _Limited(address, io.BytesIO(), MOST_BYTES["search"])
+        text = _Limited(address, io.BytesIO(), MOST_BYTES)
         with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
             while part := answer.read1(1 << 16):
                 text.write(part)

@@ -18,8 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = f"{parser.epilog}\n{TERMS}"
     add = parser.add_argument
     add("database", choices=["cmu"], help="name of the database")
-    some = "numbers of the subjects to download (default: all, one archive of over a gigabyte)"
-    add("--subjects", type=_subjects, metavar="N,N,…", help=some)
+    numbers = {"type": _subjects, "required": True, "metavar": "N,N,…"}
+    add("--subjects", **numbers, help="numbers of the subjects to download, 1 to 144")
     add("-o", "--output", **arguments.FOLDER, required=True, help="folder for the files")
     add("--site", default=SITE, metavar="URL", help=f"address of a mirror (default: {SITE})")
     arguments.add_shared(parser, "quiet")
