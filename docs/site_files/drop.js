@@ -38,8 +38,40 @@ function toMetres(motion) {
   motion.positions.forEach((value, i) => { motion.positions[i] = (value - (i % 3 === 1 ? floor : 0)) * unit; });
 }
 
+// What `numpy-cae` says about a file that it refuses, with the number of the line; "" about others.
+function refusal(text) {
+  const lines = text.replace(/^\uFEFF/, "").split(/\r\n|\r|\n/).map((line) => line.trim());
+  const first = lines.findIndex(Boolean), motion = lines.findIndex((line) => /^MOTION$/i.test(line));
+  const quoted = (line) => `'${line.slice(0, 40)}'`;
+  if (!/^HIERARCHY\b/i.test(lines[first] ?? ""))
+    return `${first + 1}: expected HIERARCHY, as every BVH file begins, found ${quoted(lines[first] ?? "")}`;
+  const comma = lines.findIndex((line) => /^(OFFSET\s.*)?-?\d*,\d/i.test(line));
+  if (comma >= 0)
+    return `${comma + 1}: ${quoted(lines[comma].match(/-?\d*,\d+/)[0])} is not a number: write decimals with a point, not a comma`;
+  if (motion < 0) return `${lines.length}: the file ends without MOTION: is it cut off?`;
+  const above = lines.slice(0, motion), roots = above.flatMap((line, at) => (/^ROOT\b/i.test(line) ? [at] : []));
+  if (roots.length > 1)
+    return `${roots[1] + 1}: a second ROOT, ${quoted(lines[roots[1]].slice(5))}: a file may hold one skeleton; delete this one and its columns of values`;
+  const channels = above.reduce((sum, line) => sum + Number(line.match(/^CHANNELS\s+(\d+)/i)?.[1] ?? 0), 0);
+  const below = lines.flatMap((line, at) => (at > motion && line ? [[at + 1, line]] : []));
+  for (const [[at, line], pattern, expected] of [[below[0] ?? [lines.length, ""], /^frames\s*:?\s*\d+$/i, "Frames: and a number"],
+    [below[1] ?? [lines.length, ""], /^frame\s*time\s*:?\s*[\d.e+-]+$/i, "Frame Time: and seconds"]]) {
+    if (!pattern.test(line)) return `${at}: expected ${expected}, found ${quoted(line)}`;
+  }
+  const stated = Number(below[0][1].match(/\d+/)[0]);
+  if (below.length < 3) return `${below[0][0]}: Frames: says ${stated}, ${stated ? "but" : "and"} no line of values follows`;
+  const [wrong, values] = below.slice(2).find(([, line]) => line.split(/\s+/).length !== channels) ?? [];
+  return wrong ? `${wrong}: ${values.split(/\s+/).length} values, expected ${channels}: a line for each frame, ` +
+    "with one value for each channel of the hierarchy" : "";
+}
+
 function play(name, text) {
   const said = document.getElementById("drop-said");
+  const problem = refusal(text);
+  if (problem) {
+    said.textContent = `${name}:${problem}`;
+    return;
+  }
   try {
     const { frames, rate, ...motion } = readBvh(text);
     if (!motion.positions.every(Number.isFinite)) throw new Error("some values are no numbers");
