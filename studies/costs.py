@@ -1,7 +1,7 @@
 """What whole commands cost, how fast BVH is read, and how cost grows with each size.
 
 Commands are processes of their own: seconds of all their processors, start included, and the
-largest memory of one process. Readers of the package index are timed if they are installed (`pip
+peak memory of the first process. Readers of the package index are timed if they are installed (`pip
 install pybvh bvhio bvhtoolbox`). A slope is that of a straight line through the larger sizes,
 logarithm of the time over logarithm of the size: 1 is linear.
 
@@ -9,6 +9,7 @@ logarithm of the time over logarithm of the size: 1 is linear.
 """
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -36,12 +37,19 @@ SECONDS = (1, 10, 60, 600, 3600)
 """Lengths of the files that are repaired (s)."""
 FILES, WINDOWS = (1, 10, 100, 300), (1, 4, 16, 64, 256, 1024)
 JOINTS, HIDDEN = (20, 50, 100, 200, 500, 1000), (64, 128, 256, 512, 1024)
-LARGE = 3
+LARGE = 2
 """The slope is that of so many of the largest sizes."""
 TAKES, MINUTES = 280, 45.0
 """Takes that are learned from, the first of so many minutes of synthetic motion."""
 READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree"}
 """Packages of the index and their functions; that of bvhtoolbox takes the text of a file."""
+PROGRAM = """
+import atexit, sys
+atexit.register(lambda: print(open("/proc/self/status").read(), file=sys.stderr))
+from numpy_cae.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+"""A command of `numpy-cae` that prints its peak memory at its end (on Linux)."""
 Costs = Mapping[int, tuple[float, float | None]]
 """Size to seconds, and megabytes if they were measured."""
 
@@ -67,14 +75,16 @@ def run() -> Result:
 
 def _cost(*words: object) -> tuple[float, float]:
     """Processor seconds and peak memory (MB) of a command of `numpy-cae`."""
-    argv = [sys.executable, "-m", "numpy_cae", *map(str, words)]
-    process = subprocess.Popen(argv, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    argv = [sys.executable, "-c", PROGRAM, *map(str, words)]
+    process = subprocess.Popen(argv, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    with process.stderr:
+        said = process.stderr.read()
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode not in (0, 3):  # 3: nothing had to be repaired
-        raise OSError(f"{' '.join(argv)} ended with status {process.returncode}")
+        raise OSError(f"{' '.join(argv[3:])} ended with status {process.returncode}")
     note(f"{' '.join(argv[3:5])}: {used.ru_utime + used.ru_stime:.2f} s")
-    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3
+    return used.ru_utime + used.ru_stime, int(re.findall(r"VmHWM:\s+(\d+)", said)[-1]) / 1e3
 
 
 def _commands(folder: Path, takes: Path) -> Iterator[list[object]]:
