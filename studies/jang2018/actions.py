@@ -22,12 +22,20 @@ INTERVAL_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class Action:
-    """Motions of one action, split by take, and whether it repeats itself, as walking does."""
+    """Motions of one action, split by take, whether it repeats itself, as walking does, and where
+    they come from."""
 
     name: str
     training: list[AngleSequence]
     testing: list[AngleSequence]
     periodic: bool = False
+    source: str = ""
+
+    def described(self) -> str:
+        """The source, and the minutes to train on and to test on."""
+        halves = (self.training, self.testing)
+        minutes = (sum(map(len, half)) / ANGLE_RATE / 60 for half in halves)
+        return "{}, {:.1f} minutes to train on and {:.1f} to test on".format(self.source, *minutes)
 
 
 def synthetic_action(kind: str, minutes: float, seed: int = 0, quiet: bool = True) -> Action:
@@ -46,7 +54,7 @@ def synthetic_action(kind: str, minutes: float, seed: int = 0, quiet: bool = Tru
             due = time.monotonic() + INTERVAL_SECONDS
         take = replace(plan, person=plan.number).make(ANGLE_RATE)
         halves[made >= len(plans[0])].append(angles_of(take.motion))
-    return Action(kind, *halves, periodic=kind in PERIODIC)
+    return Action(kind, *halves, kind in PERIODIC, "synthetic clips (data_synth)")
 
 
 def read_action(
@@ -64,4 +72,4 @@ def read_action(
     angles = each_usable(folders, lambda path: load_angles(path, mapping, coordinates))
     for path, sequence in angles:
         halves[is_test(path, patterns)].append(sequence)
-    return Action(name, *halves, periodic=name in PERIODIC)
+    return Action(name, *halves, name in PERIODIC, ", ".join(Path(f).name for f in folders))

@@ -19,13 +19,13 @@ from numpy_cae.evaluation import diversity, nearest_distance
 from numpy_cae.evaluation.table import Table
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
+from studies.jang2018.moving import gif
 from studies.jang2018.training import CLIPS, Study
 from studies.shared.result import Claim, Picture, Result
 
 SHOWN_IN_PAPER = 16
 """Samples of an action."""
-STRIP_ROWS, SHOWN = 3, 4
-FITTED, PRIOR, REAL = "fitted", "prior", "real"
+FITTED, PRIOR, REAL = "fitted", "prior", "test"
 COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
 SAMPLES = 100
 """Clips from each source that are measured."""
@@ -51,21 +51,21 @@ def sample_clips(study: Study, source: str, count: int, seed: int) -> np.ndarray
 
 
 def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Picture:
-    """Draw the first of sixteen clips from one source as strips; clips from FITTED also move."""
-    clips = sample_clips(study, source, SHOWN_IN_PAPER, seed)[:SHOWN]
+    """Draw sixteen clips from one source as strips; clips from FITTED also move."""
+    clips = sample_clips(study, source, SHOWN_IN_PAPER, seed)
     actors = [
         Actor(study.positions(clip), PARENTS, f"{source} {number}", COLOURS[source])
         for number, clip in enumerate(clips, start=1)
     ]
     rate = study.manifold.rate
-    moving = actors if source == FITTED else []
-    return Picture(lambda: strip_figure(actors[:STRIP_ROWS], rate), moving, rate)
+    shown = actors if source == FITTED else []
+    return Picture(lambda: strip_figure(actors, rate), shown, rate, lambda: gif(actors, rate))
 
 
 def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     """Draw clips from each source and study, and measure them."""
     rows = [row for study in studies for row in _rows(study, seed)]
-    caption = "Samples compared with real clips:"
+    caption = "Samples compared with test clips:"
     table = Table(caption, HEADER, rows, ("", ".2f", ".0%", ".2f"))
     actions = [study.action for study in studies]
     claims = []
@@ -77,7 +77,7 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
         others = ", ".join(f"{value:.2f}" for value in other)
         figures = f"{max(alike):.2f} for the periodic action, {others} for the others."
         claims.append(Claim("samples_vary", max(alike) < min(other), figures))
-    return Result("Samples of jang2018's manifolds compared with real clips", [table], claims)
+    return Result("Samples of jang2018's manifolds compared with test clips", [table], claims)
 
 
 def _rows(study: Study, seed: int) -> list[list]:

@@ -7,6 +7,7 @@ parameter is an option of its name, with the type of its default.
 import argparse
 import inspect
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import cached_property
 from glob import escape
 from pathlib import Path
@@ -27,8 +28,8 @@ OPTIONS = {
     "folders": "data",
     "material": f"data test unseen {READING}",
     "actions": f"data test actions minutes {READING}",
-    "schedule": "epochs rate batch steps",
-    "network": "hidden latent frames",
+    "schedule": "epochs rate batch steps weight optimiser",
+    "network": "hidden latent frames burn_in",
     "progress": "quiet",
     "seed": "seed",
 }
@@ -43,6 +44,12 @@ FLAG = {
     | {"help": f"actions to synthesise without --data, of {', '.join(ACTIONS)} (default: all)"},
     "minutes": {"type": arguments.positive, "default": 30.0, "metavar": "M"}
     | {"help": "minutes of each synthetic action to train on, and to test on (default: 30)"},
+    "weight": {"type": arguments.positive, "default": 1.0, "metavar": "λ"}
+    | {"help": "weight of the regulariser (default: 1)"},
+    "optimiser": {"choices": ("adam", "sgd"), "default": "adam"}
+    | {"help": "Adam with one cycle, or SGD with momentum and a decaying rate (default: adam)"},
+    "burn_in": {"type": arguments.positive_number, "metavar": "N"}
+    | {"help": "steps of the decoder before the first frame (default: 5)"},
     **{
         name: {"type": arguments.positive_number, "metavar": "N", "help": text}
         for name, text in (train_options.COMMON | train_options.SEQUENTIAL).items()
@@ -158,12 +165,14 @@ class Inputs:
     @cached_property
     def schedule(self) -> SequenceSchedule:
         """The schedule of the sequential network."""
-        return train_options.sequence_schedule_of(self.args, "fast")
+        name = "fast" if self.args.optimiser == "adam" else "paper"
+        schedule = train_options.sequence_schedule_of(self.args, name)
+        return replace(schedule, weight=self.args.weight)
 
     @cached_property
     def network(self) -> dict[str, int]:
         """The sizes of the sequential network that are given."""
-        sizes = train_options.given(self.args, "hidden", "latent", "frames")
+        sizes = train_options.given(self.args, "hidden", "latent", "frames", "burn_in")
         if sizes.get("frames", 3) < 3:
             raise ValueError(f"--frames is {self.args.frames}, expected 3 or more")
         return sizes

@@ -10,8 +10,10 @@ from numpy_cae.evaluation import angle_distance, reconstruction
 from numpy_cae.evaluation.reconstruction import HELD, LINEAR, MEAN, NETWORK, SQUARED
 from numpy_cae.mocap import angles_of
 from numpy_cae.training import SequenceSchedule
+from numpy_cae.verify import check_property, properties_of
 from studies import sequences
 from studies.jang2018 import actions, curves, regulariser, samples, training
+from studies.jang2018.mmd import maximum_mean_discrepancy
 from studies.jang2018.samples import FITTED, PRIOR, REAL
 from studies.shared.render import png
 
@@ -40,16 +42,17 @@ def test_a_study_measures_before_the_first_step_and_after(studies):
     assert curve["error"][-1] == pytest.approx(error, rel=0.03)
 
 
-def test_figure_2_compares_the_first_and_the_last_tenth(studies):
+def test_figure_2_tests_the_trend(studies):
     error = np.linspace(2, 0.2, 20)
     falling = {"steps": np.arange(20), "error": error, "discrepancy": np.geomspace(1, 0.01, 20)}
-    flat = falling | {"error": np.ones(20)}
+    flat = falling | {"error": error[np.random.default_rng(0).permutation(20)]}
     both = zip(studies, (falling, flat), strict=True)
     one, other = (replace(each, curve=curve) for each, curve in both)
     result = curves.figure_2([one])
     row = "walking: reconstruction error, rad"
     assert result.tables[0].value(row, "first tenth") == np.mean(error[:2])
     assert result.tables[0].value(row, "last tenth") == np.mean(error[-2:])
+    assert result.tables[0].value(row, "τ") == pytest.approx(-1)
     assert [claim.confirmed for claim in result.claims] == [True, True]
     assert [claim.confirmed for claim in curves.figure_2([one, other]).claims] == [False, True]
     assert len(png(result.figures["figure_2"])) > 1000
@@ -58,7 +61,7 @@ def test_figure_2_compares_the_first_and_the_last_tenth(studies):
 def test_figure_3_draws_samples_of_each_source(studies):
     for source in (FITTED, PRIOR, REAL):
         result = samples.figure_3(studies[0], source=source)
-    assert len(png(result)) > 10_000
+    assert len(png(result)) > 10_000 and len(result.gif()) > 10_000
     z = samples.fitted_latents(studies[0], 4000, 0)
     encoded = studies[0].manifold.network.encode(studies[0].random_clips(1000, 0))
     assert np.allclose(np.cov(z, rowvar=False), np.cov(encoded, rowvar=False), atol=0.05)
@@ -89,12 +92,45 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
 
 def test_the_regulariser_with_and_without(studies, monkeypatch):
     monkeypatch.setattr(regulariser, "REPEATS", 1)
-    free = training.train_study(studies[0].action, replace(SHORT, weight=0.0), **SIZES)
+    monkeypatch.setattr(regulariser, "SAMPLES", 20)
+    action = studies[0].action
+    free = training.train_study(action, replace(SHORT, weight=0.0), **SIZES)
     assert len(free.curve["steps"]) == 1 < len(studies[0].curve["steps"])
-    result = regulariser.regulariser(studies[:1], [free])
-    _, error, error_without, *_ = result.tables[0].rows[0]
-    assert (error, error_without) == (studies[0].squared_error(), free.squared_error())
-    assert result.claims[1].confirmed == (error < error_without)
+    other = training.train_study(action, replace(SHORT, weight=0.1), mmd=True, **SIZES)
+    trained = {regulariser.SLICED: studies[:1], regulariser.MMD: [other], regulariser.NONE: [free]}
+    result = regulariser.regulariser(trained)
+    rows = {name: f"{action.name}: {name}" for name in trained}
+    errors = {name: result.tables[0].value(row, "mean square") for name, row in rows.items()}
+    assert errors == {name: each[0].squared_error() for name, each in trained.items()}
+    assert result.claims[1].confirmed == (errors["sliced Wasserstein"] < errors["none, λ = 0"])
+    assert type(other.manifold.network) is type(free.manifold.network)
+
+
+MMD = properties_of(
+    maximum_mean_discrepancy,
+    {"z": "count size", "prior": "count size"},
+    sizes={"count": (2, 3, 7), "size": (1, 4)},
+    differentiable=["z"],
+)
+
+
+@pytest.mark.parametrize("held", MMD, ids=lambda held: held.name)
+def test_mmd_has_the_properties_of_an_operation(held):
+    check_property(held, maximum_mean_discrepancy)
+
+
+def test_mmd_is_the_sum_over_pairs():
+    z, prior = np.random.default_rng(0).normal(size=(2, 6, 3))
+
+    def mean(a, b, pairs):
+        d = [np.sum((a[i] - b[j]) ** 2) for i, j in pairs]
+        scales = [2 * 3 * s for s in (0.1, 0.2, 0.5, 1, 2, 5, 10)]
+        return np.mean([sum(c / (c + each) for c in scales) for each in d])
+
+    apart = [(i, j) for i in range(6) for j in range(6) if i != j]
+    every = [(i, j) for i in range(6) for j in range(6)]
+    expected = mean(z, z, apart) + mean(prior, prior, apart) - 2 * mean(z, prior, every)
+    assert maximum_mean_discrepancy(z, prior)[0] == pytest.approx(expected)
 
 
 def test_actions_are_split_by_person_or_by_pattern(data_folder, capsys):

@@ -91,6 +91,7 @@ def test_the_study_of_sequences_has_claims_pictures_and_models(
         (reconstruction, "PCA_CLIPS", 200),
         (samples, "SAMPLES", 20),
         (regulariser, "REPEATS", 1),
+        (regulariser, "SAMPLES", 20),
     ):
         monkeypatch.setattr(module, name, fewer)
     out = tmp_path / "out"
@@ -98,8 +99,8 @@ def test_the_study_of_sequences_has_claims_pictures_and_models(
     assert run("sequences", *words) == 0
     printed, page = capsys.readouterr(), (out / "report.html").read_text(encoding="utf-8")
     action = folder.name
-    assert f"{action}, λ = 0: sequences, epoch 1/1" in printed.err
+    assert f"{action}, none, λ = 0: sequences, epoch 1/1" in printed.err
     assert len(re.findall("^(not )?confirmed: .* Measured: ", printed.out, re.MULTILINE)) > 3
     assert page.count("confirmed</span>") > printed.out.count("confirmed:")  # and in the summary
-    drawn = {f"{action}_fitted.png", f"{action}_fitted.html", f"{action}.npz"}
+    drawn = {f"{action}_fitted.{ending}" for ending in ("png", "html", "gif")}
     assert {"figure_2.png", *drawn} <= {path.name for path in out.iterdir()}
