@@ -19,7 +19,11 @@ from numpy_cae.manifold.model_arrays import (
     json_object,
     numbers,
 )
-from numpy_cae.manifold.shifted_projection import project_shifted, zeroed_fraction
+from numpy_cae.manifold.shifted_projection import (
+    WINDOWS_AT_ONCE,
+    project_shifted,
+    zeroed_fraction,
+)
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import (
     FEATURES,
@@ -228,13 +232,19 @@ class MotionManifold:
         return np.where(known, features, self.denormalise(found))
 
     def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """As `complete`, of normalised windows (N, F, 63) as in training, with zeros around them;
-        the iteration ends for all of them together."""
+        """As `complete`, of normalised windows (N, F, 63) as in training, with zeros around them.
+
+        To bound memory, `WINDOWS_AT_ONCE` windows are completed together; the iteration ends for
+        all of these at the same time.
+        """
 
         def project(x: np.ndarray) -> np.ndarray:
             return self.project_windows(x, average_shifts=True)
 
-        return completed(x, known, interpolated(x, known), project, interpolated)
+        parts = [slice(n, n + WINDOWS_AT_ONCE) for n in range(0, len(x), WINDOWS_AT_ONCE)]
+        each = ((x[part], known[part]) for part in parts)
+        done = [completed(*one, interpolated(*one), project, interpolated) for one in each]
+        return np.concatenate(done) if done else x
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""

@@ -1,7 +1,8 @@
 """The two terms of equation 3, as means over elements.
 
 The paper has norms, sums over elements; a mean keeps the learning rate independent of the window's
-length, the number of features and the batch (docs/lab_book/equations.md). Our α is the
+length, the number of features and the batch. With sums, training diverges at the paper's rate of
+0.5 in the fourth step (docs/lab_book/equations.md). Our α is the
 paper's α multiplied by N_Y / N, where N is the number of elements of the motion X and N_Y that of
 the hidden units Y. A loss is a scalar, so its pullback takes a number: 1 by default, or the weight
 of the loss if the loss is one term of a sum.
