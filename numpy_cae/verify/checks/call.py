@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from numpy_cae.verify.checks.mismatch import COUNT, SHAPE, TYPE, Mismatch
+from numpy_cae.verify.checks.mismatch import COUNT, NOT_FINITE, SHAPE, TYPE, Mismatch
 from numpy_cae.verify.checks.written import described
 
 
@@ -60,6 +60,15 @@ def require_shape(what: str, result: object, shape: tuple[int, ...]) -> None:
     """Raise a Mismatch unless a result has this shape."""
     if np.shape(result) != shape:
         raise Mismatch(SHAPE, what, f"{what} has shape {np.shape(result)}, expected {shape}")
+
+
+def require_finite(what: str, result: object) -> None:
+    """Raise a Mismatch where a result of floats is nan or infinite."""
+    if is_float(result) and not np.all(np.isfinite(result)):
+        index = tuple(np.argwhere(~np.isfinite(result))[0].tolist())
+        place = f" at index {index}" if index else ""
+        text = f"{what} is {np.asarray(result)[index]}{place}: it has to be finite"
+        raise Mismatch(NOT_FINITE, what, text)
 
 
 def parts(value: object) -> Sequence:

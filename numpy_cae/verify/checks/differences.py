@@ -26,8 +26,12 @@ from numpy_cae.verify.checks.mismatch import KINK
 SMALLER = (1 / 8, 1 / 64, 1 / 512)
 LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
 """SMALLER, LARGER: further steps are so many times the first one."""
+LARGEST_STEP = 2
+"""LARGEST_STEP: no step is larger than so many times the size of an entry."""
 NEIGHBOURS = (0.8, 0.9, 1.1, 1.25)
 """NEIGHBOURS: a wrong number is confirmed at so many times the step of the most certain slope."""
+LEVEL = 0.1
+"""LEVEL: slopes at large steps count if they differ from the next by at most this part."""
 SCATTER_MARGIN = 4
 """SCATTER_MARGIN: a number is wrong only if it is off by so many times their scatter."""
 ROUNDING_MARGIN = 32
@@ -39,6 +43,8 @@ ABOVE_NOISE = 4
 SINGLE = float(np.finfo(np.float32).eps)
 SINGLE_TOLERANCE = 1e-4
 """SINGLE_TOLERANCE: the relative tolerance is at least this where f computes in float32."""
+GRADIENT_ROUNDING = 2**12
+"""GRADIENT_ROUNDING: a gradient is 0 if it is at most so many roundings of the largest one."""
 NEGLIGIBLE = 1e-10
 """NEGLIGIBLE: where a gradient is 0 to rounding, a slope of at most so large a part of the largest
 one may be the rounding of terms that cancel, as in a convolution by Fourier matrices."""
@@ -92,7 +98,7 @@ class Argument:
         also to what all entries contribute to the slope.
         """
         verdict = self._judged(direction)
-        if verdict.kind == WRONG and self.epsilon < SINGLE and self._is_computed_in_float32():
+        if verdict.kind == WRONG and self.epsilon < SINGLE and self.is_computed_in_float32():
             tolerance = max(self.tolerance, SINGLE_TOLERANCE)
             return replace(self, epsilon=SINGLE, tolerance=tolerance)._judged(direction)
         return verdict
@@ -110,7 +116,7 @@ class Argument:
             return Verdict(AGREES, 0.0, analytic)
         verdict, best = _verdict(slopes, analytic, self.tolerance)
         largest = np.max(np.abs(self.gradient) * step_scale(self.x), initial=0.0)
-        is_zero = abs(analytic) <= 64 * self.epsilon * largest
+        is_zero = abs(analytic) <= GRADIENT_ROUNDING * self.epsilon * largest
         if is_zero and abs(verdict.numeric - analytic) <= NEGLIGIBLE * largest:
             return replace(verdict, kind=AGREES)
         if verdict.kind == WRONG:
@@ -142,17 +148,18 @@ class Argument:
             if is_conclusive and gap <= self.tolerance * larger + slope.noise:
                 return slopes, True
             if len(slopes) == 1 and not (slope.moved and is_conclusive):
-                todo += LARGER
+                todo += [factor for factor in LARGER if first * factor <= LARGEST_STEP]
             if not todo and len(slopes) == 1 + len(smaller) and len(_rates(slopes[::-1])) < 2:
                 todo += LARGER[:2]
         return slopes, False
 
-    def _is_computed_in_float32(self) -> bool:
-        """Whether f gives the same for x as for x rounded to float32, as with a float32 buffer."""
+    def is_computed_in_float32(self) -> bool:
+        """Whether f rounds x to float32, as a float32 buffer does."""
         rounded = self.x.astype(np.float32).astype(np.float64)
-        change = np.sum(np.abs(self.gradient * (rounded - self.x)))
+        near = rounded * (1 + SINGLE / 128)
+        change = np.sum(np.abs(self.gradient * (near - rounded)))
         rounding = ROUNDING_MARGIN * self.epsilon * np.sum(np.abs(self.dy * self.here))
-        return bool(change > rounding) and np.array_equal(self.f(rounded), self.here)
+        return bool(change > rounding) and np.array_equal(self.f(near), self.f(rounded))
 
     def _confirmed(self, direction: np.ndarray, verdict: Verdict, best: Slope) -> str:
         """WRONG, or UNDECIDED where slopes at neighbouring steps scatter as much as they are off.
@@ -207,10 +214,11 @@ def step_scale(x: np.ndarray) -> np.ndarray:
 
 def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Verdict, Slope]:
     """The verdict on a number that no slope confirmed at once, and the most certain slope."""
-    moved = [slope for slope in slopes if slope.moved]
-    slopes = sorted(moved or slopes, key=lambda slope: slope.step)
+    first = slopes[0].step
+    informative = [slope for slope in slopes if slope.moved or slope.noise > 0]
+    slopes = sorted(informative or slopes, key=lambda slope: slope.step)
     neighbours = zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
-    errors = [one.noise + abs(one.central - other.central) for one, other in neighbours]
+    errors = [_error(*both, first) for both in neighbours]
     best = slopes[int(np.argmin(errors))]
     error = min(errors)
     gap = abs(best.central - analytic)
@@ -222,8 +230,9 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Ve
     falls_with_step = bool(last) and max(abs(rate - 1) for rate in last) < RATE_MARGIN
     falls_with_square = bool(last) and min(last) > 2 - RATE_MARGIN
     first_hidden = slopes[-1 - len(rates)]
-    is_corner = smallest.jump > max(slopes[-1].jump / 2, smallest.noise, allowed)
-    if is_corner and abs(smallest.central - analytic) <= smallest.jump / 2 + allowed:
+    clear = next((slope for slope in slopes if slope.noise <= slope.jump / 4), smallest)
+    is_corner = clear.jump > max(slopes[-1].jump / 2, clear.noise, allowed)
+    if is_corner and abs(clear.central - analytic) <= clear.jump / 2 + allowed:
         kind = AGREES if gap <= allowed else KINK
     elif falls_with_step and gap > tolerated + error:
         kind = WRONG
@@ -234,7 +243,17 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Ve
     else:
         kind = AGREES if gap <= allowed else WRONG
     proof = rates if falls_with_step else ()
-    return Verdict(kind, best.central, analytic, smallest.jump, proof), best
+    return Verdict(kind, best.central, analytic, clear.jump, proof), best
+
+
+def _error(one: Slope, other: Slope, first: float) -> float:
+    """What a slope may be off by, beside that at the next step; infinite if it says nothing.
+
+    At steps larger than the first one only slopes count that hardly change from step to step.
+    """
+    change = abs(one.central - other.central)
+    is_level = change < LEVEL * abs(one.central)
+    return one.noise + change if one.step <= first or is_level else np.inf
 
 
 def _rates(slopes: list[Slope]) -> tuple[float, ...]:

@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts
+from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts, require_finite
 from numpy_cae.verify.checks.differences import (
+    SINGLE,
     SINGLE_TOLERANCE,
     WRONG,
     Argument,
@@ -37,6 +38,8 @@ EVERY_ENTRY_UP_TO = 100
 """EVERY_ENTRY_UP_TO: arrays of at most so many entries are checked entry by entry."""
 DIRECTIONS = 4
 """DIRECTIONS: a larger array is checked along so many random directions for each size of entry."""
+EQUAL_ENTRIES = (1.7, 2.9)
+"""EQUAL_ENTRIES: frequencies by which the step of an entry depends on its size."""
 KINKS_EXCUSED = 0.05
 """KINKS_EXCUSED: kinks are excused in at most this share of the entries."""
 AGAIN = (
@@ -118,17 +121,20 @@ def wrong_gradients(
     only: Sequence[str] | None = None,
     upstream: Callable | None = None,
     kinks_excused: float = KINKS_EXCUSED,
+    may_be_single: bool = False,
 ) -> list[Mismatch]:
     """What is wrong with each gradient.
 
     `upstream` makes the upstream gradient of an output, by default random numbers. Kinks are
-    excused in so large a share of the entries.
+    excused in so large a share of the entries. If f `may_be_single`, it may compute in float32.
     """
     if not any(is_array(*leaf) for leaf in all_leaves(inputs, names)):
         raise TypeError("no argument is an array of float64 or float32")
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
     problems: list[Mismatch] = []
-    for argument in _arguments(f, inputs, names, upstream, tolerance):
+    if may_be_single:
+        tolerance = _tolerance(f, inputs, tolerance)
+    for argument in _arguments(f, inputs, names, upstream, tolerance, only):
         name = argument.name.partition(" from output ")[0]
         if only is None or {name, name.partition("[")[0]} & set(only):
             directions = list(_directions(argument, rng))
@@ -136,6 +142,49 @@ def wrong_gradients(
             if doubtful:
                 problems += _judge(argument, doubtful, len(directions), rng, kinks_excused)
     return problems
+
+
+def _tolerance(f: Callable, inputs: Sequence, tolerance: float) -> float:
+    """The tolerance, or more where f returns float32."""
+    outputs = parts(call(f, copies(inputs))[0])
+    is_single = any(np.asarray(output).dtype == np.float32 for output in outputs)
+    return max(tolerance, SINGLE_TOLERANCE) if is_single else tolerance
+
+
+def wrong_slope_together(
+    f: Callable, inputs: Sequence[np.ndarray], names: Sequence[str], upstream: Callable
+) -> Mismatch | None:
+    """What is wrong with all gradients together, along a direction that keeps equal entries equal.
+
+    Each entry moves in proportion to itself and to a number that depends on its size alone.
+    """
+    tolerance = _tolerance(f, inputs, 1e-6)
+    every = list(_arguments(f, inputs, names, upstream, tolerance))
+    ends = np.cumsum([argument.x.size for argument in every])[:-1]
+    shapes = [argument.x.shape for argument in every]
+
+    def of_row(row: np.ndarray) -> np.ndarray:
+        pieces = (part.reshape(of) for part, of in zip(np.split(row, ends), shapes, strict=True))
+        return np.ravel(f(*pieces)[0])
+
+    joined = np.concatenate([argument.x.ravel() for argument in every])
+    gradients = np.concatenate([np.ravel(argument.gradient) for argument in every])
+    together = replace(every[0], name=" and ".join(names), f=of_row, x=joined, gradient=gradients)
+    if any(argument.is_computed_in_float32() for argument in every):
+        together = replace(together, epsilon=SINGLE, tolerance=SINGLE_TOLERANCE)
+    for frequency in EQUAL_ENTRIES:
+        direction = joined * (2 + np.sin(frequency * np.abs(joined))) / 8
+        verdict = together.judge(direction)
+        if verdict.kind == WRONG:
+            numbers = written_apart(verdict.analytic, verdict.numeric, 10)
+            text = (
+                "where equal entries move by equal amounts, the gradients do not give the slope\n"
+                f"    by the pullback                      {numbers[0]}\n"
+                f"    by central differences of the value  {numbers[1]}\n"
+                "    is a gradient given to each of several equal entries?"
+            )
+            return Mismatch(SLOPE, "the gradients together", text)
+    return None
 
 
 def _slope_agrees(at: Argument, direction: np.ndarray) -> bool:
@@ -154,10 +203,15 @@ def _slope_agrees(at: Argument, direction: np.ndarray) -> bool:
 
 
 def _arguments(
-    f: Callable, inputs: Sequence, names: Sequence[str], upstream: Callable, tolerance: float
+    f: Callable,
+    inputs: Sequence,
+    names: Sequence[str],
+    upstream: Callable,
+    tolerance: float,
+    only: Sequence[str] | None = None,
 ) -> Iterator[Argument]:
     """Each array, with its gradient from each output and f as a function of it, in float64."""
-    dys, pulled = _gradients_of_two_calls(f, inputs, names, upstream)
+    dys, pulled = _gradients_of_two_calls(f, inputs, names, upstream, only)
     named = all_leaves(inputs, names)
     places = [i for i, gradient in enumerate(next(iter(pulled.values()))) if gradient is not None]
     if any(getattr(leaf, "dtype", None) == np.float32 for _, leaf in named):
@@ -182,6 +236,7 @@ class _Call:
 
     inputs: Sequence
     names: Sequence[str]
+    only: Sequence[str] | None  # the arguments whose gradients have to be finite
     dys: list  # an upstream gradient for each output, None for an output without floats
     value: object
     pullback: Callable
@@ -194,11 +249,19 @@ class _Call:
         pulled = self.pullback(tuple(given) if has_several else given[0])
         for now, was in zip(given, scaled, strict=True):
             _require_untouched("the upstream gradient", now, was)
-        return gradients_of_leaves(self.inputs, self.names, pulled)
+        gradients = gradients_of_leaves(self.inputs, self.names, pulled)
+        for (name, _), gradient in zip(all_leaves(self.inputs, self.names), gradients, strict=True):
+            if self.only is None or {name, name.partition("[")[0]} & set(self.only):
+                require_finite(f"the gradient for {name}", gradient)
+        return gradients
 
 
 def _gradients_of_two_calls(
-    f: Callable, inputs: Sequence, names: Sequence[str], upstream: Callable
+    f: Callable,
+    inputs: Sequence,
+    names: Sequence[str],
+    upstream: Callable,
+    only: Sequence[str] | None,
 ) -> tuple[list, dict[int, list]]:
     """Upstream gradients, and what the pullback returns for each of them, by output.
 
@@ -209,8 +272,10 @@ def _gradients_of_two_calls(
     before = copies([x for _, x in named])
     value, pullback = call(f, inputs)
     outputs = copies(parts(value))
+    for output in outputs:
+        require_finite("the value", output)
     dys = [np.array(upstream(y), np.asarray(y).dtype)[()] if is_float(y) else None for y in outputs]
-    first = _Call(inputs, names, dys, value, pullback)
+    first = _Call(inputs, names, only, dys, value, pullback)
     ones = [1.0] * len(dys)
     gradients = first.gradients(ones)
     kept = copies(gradients)
@@ -285,7 +350,9 @@ def _judge(
         wrong += of_entries
     if wrong:
         worst = max(wrong, key=lambda one: abs(one[1].numeric - one[1].analytic))
-        yield _wrong_slope(at, *_trace(at, *worst), f"{len(wrong)} of {tried} {of_what}")
+        index, verdict = _trace(at, *worst)
+        if verdict.kind != KINK:
+            yield _wrong_slope(at, index, verdict, f"{len(wrong)} of {tried} {of_what}")
     elif len(kinks) > max(1, int(kinks_excused * tried)):
         index, verdict = _trace(at, *kinks[0])
         text = (

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
-from numpy_cae.verify.checks.mismatch import COUNT, NOT_FINITE, TYPE, Mismatch
+from numpy_cae.verify.checks.mismatch import COUNT, TYPE, Mismatch
 from numpy_cae.verify.checks.written import described
 
 CONTAINERS = (dict, list, tuple)
@@ -82,14 +82,10 @@ def _matched(name: str, argument: object, gradient: object) -> list:
 
 
 def _require_gradient(name: str, shape: tuple[int, ...], gradient: object) -> None:
-    """Raise unless a gradient is an array of finite real numbers in the shape of its argument."""
+    """Raise unless a gradient is an array of real numbers in the shape of its argument."""
     what = f"the gradient for {name}"
     if shape or not isinstance(gradient, float):
         require_array(what, gradient)
     require_shape(what, gradient, shape)
     if np.iscomplexobj(gradient):
         raise Mismatch(TYPE, what, f"{what} is complex")
-    if not np.all(np.isfinite(gradient)):
-        index = tuple(np.argwhere(~np.isfinite(gradient))[0].tolist())
-        number = np.asarray(gradient)[index]
-        raise Mismatch(NOT_FINITE, what, f"{what} is {number} at index {index}")

@@ -33,6 +33,9 @@ class Operation:
     without_ties: Sizes = field(default_factory=dict)  # classes of values without a kink
     longer: Sizes = field(default_factory=lambda: LONG)  # additional sizes for `special inputs`
     alike: Callable = lambda arguments, gradient: gradient  # equal for all right gradients
+    seeded_by: str = ""  # what the cases depend on, by default the name
+    drawn_by_caller: tuple[str, ...] = ()  # arguments that no property may alter
+    is_single: bool = False  # whether it is tried in float32 only
 
     def value(self, *arguments: object) -> np.ndarray | float:
         """The right value."""
@@ -115,21 +118,18 @@ def arguments_of(
 ) -> Callable[[Case], dict[str, object]]:
     """Arguments whose shapes are sizes, such as w="taps channels filters".
 
-    A size may be a number, a product such as 2*frames, or "...", which is any number of axes.
-    Numbers outside of the range that `values` states are replaced by its ends.
+    A size may be a number, a product or sum such as 2*frames or in+out, or "...", which is any
+    number of axes. Numbers outside of the range that `values` states are replaced by its ends.
     """
     leading = leading_axes(shapes)
 
-    def size(factors: str, case: Case) -> int:
-        return math.prod(int(f) if f.isdigit() else case[f] for f in factors.split("*"))
-
-    def shape_in(case: Case, text: str) -> tuple[int, ...]:
-        any_axes = " ".join(leading[: case.get("axes", 0)])
-        return tuple(size(factors, case) for factors in text.replace("...", any_axes).split())
-
     def arguments(case: Case) -> dict[str, object]:
         rng = case.rng()
-        arrays = drawn(case, rng, **{name: shape_in(case, text) for name, text in shapes.items()})
+        any_axes = " ".join(leading[: case.get("axes", 0)])
+        sizes = {name: text.replace("...", any_axes).split() for name, text in shapes.items()}
+        arrays = drawn(
+            case, rng, **{n: tuple(_size(s, case) for s in each) for n, each in sizes.items()}
+        )
         for name, wanted in values.items():
             if callable(wanted):
                 arrays[name] = wanted(rng, arrays[name].shape)
@@ -142,11 +142,23 @@ def arguments_of(
     return arguments
 
 
+def _size(text: str, case: Case) -> int:
+    """The number that a size stands for in a case, such as 2*frames+1."""
+    terms = (term.split("*") for term in text.split("+"))
+    return sum(math.prod(int(f) if f.isdigit() else case[f] for f in term) for term in terms)
+
+
+def names_in(shapes: Mapping[str, str]) -> list[str]:
+    """The names of the sizes in shapes, in their order."""
+    text = " ".join(shapes.values()).replace("...", " ").replace("*", " ").replace("+", " ")
+    return [name for name in dict.fromkeys(text.split()) if not name.isdigit()]
+
+
 def leading_axes(shapes: Mapping[str, str]) -> list[str]:
     """The sizes of the axes for which "..." may stand."""
-    used = " ".join(shapes.values()).split()
+    used = names_in(shapes)
     names = [name for name in ("batch", "frames", "channels") if name not in used]
-    return [*names, *"22"[: 5 - len(names) if set(used) - {"..."} else 1]]
+    return [*names, *"22"[: 5 - len(names) if used else 1]]
 
 
 def _elementwise(*names: str) -> Callable[[Case], dict[str, object]]:

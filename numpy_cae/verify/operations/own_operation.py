@@ -1,16 +1,20 @@
 """`properties_of`: the properties of an operation of one's own, and their tests in pytest."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.operations.case import VALUES
+from numpy_cae.verify.operations.case import VALUES, Case
 from numpy_cae.verify.operations.operation import (
     CLASSES,
     Operation,
     Values,
     arguments_of,
     leading_axes,
+    names_in,
     simplest_case,
     with_each_array,
 )
@@ -18,7 +22,11 @@ from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
 SIZES = (1, 2, 3, 4, 5, 8, 33)
-"""The options of a size that the caller does not state."""
+"""SIZES: the numbers that a size is drawn from if the caller does not state them."""
+SIZE = re.compile(r"[^\W\d]\w*|\d+|(?:\w+[*+])+\w+")
+IN_USE = ("values", "of", "layout", "upstream", "axes", "state", "seed")
+"""IN_USE: names of what a case has besides sizes."""
+DTYPES = ("float64", "float32")
 SMOOTH = {"values": tuple(v for v in VALUES if v not in ("near ties", "tiny", "mixed", "wide"))}
 """Classes of values where differences are a good derivative: not beside kinks, nor where entries
 are tiny or of very different size."""
@@ -32,6 +40,10 @@ def properties_of(
     sizes: Mapping[str, Sequence[int]] | None = None,
     values: Mapping[str, Values] | None = None,
     differentiable: Sequence[str] | None = None,
+    skip: Sequence[str] = (),
+    dtypes: Sequence[str] = DTYPES,
+    marks: Mapping[str, object] | None = None,
+    seed: int = 0,
 ) -> tuple[Property, ...]:
     """What must hold of an operation of one's own: the properties that `numpy_cae.ops` has.
 
@@ -45,8 +57,8 @@ def properties_of(
         In the form of `numpy_cae.ops`, with one array or number as its value.
     shapes : mapping of str to str
         For each argument, in the order of the call, the sizes of its axes, such as "taps channels".
-        Equal names are equal sizes. A size may also be a number, a product such as 2*frames, or
-        "...": any number of axes.
+        Equal names are equal sizes. A size may also be a number, a product or sum such as 2*frames
+        or in+out, or "...": any number of axes.
     definition : callable, optional
         What f should compute: it returns the value alone, or a value and its pullback, with which
         all results of f are compared. Otherwise gradients are compared with differences of f.
@@ -54,9 +66,18 @@ def properties_of(
         The numbers to draw a size from, the simplest first, such as {"taps": (1, 3, 5)}.
     values : mapping of str to (low, high) or callable, optional
         The range of an argument's numbers, by default (-2, 2), or a function that draws the
-        argument: (rng, shape) -> array.
+        argument, perhaps as integers: (rng, shape) -> array. What it draws is never altered.
     differentiable : sequence of str, optional
         The arguments for which the pullback returns a gradient, by default all arrays of floats.
+    skip : sequence of str, optional
+        The names of properties that f need not have, such as "dtype".
+    dtypes : sequence of str, optional
+        By default ("float64", "float32"): each stays what it is. With ("float64",) there is no
+        property "dtype"; with ("float32",) all arrays are float32.
+    marks : mapping of str to a mark of pytest, or several, optional
+        By property, such as {"dtype": pytest.mark.xfail}.
+    seed : int, optional
+        Of the random cases.
 
     Returns
     -------
@@ -65,7 +86,8 @@ def properties_of(
     Raises
     ------
     ValueError
-        If `sizes`, `values` or `differentiable` name something that `shapes` does not have.
+        If `sizes`, `values` or `differentiable` name something that `shapes` does not have, if
+        `skip` or `marks` name no property, or if a size cannot be read or has a name in use.
 
     Examples
     --------
@@ -75,35 +97,89 @@ def properties_of(
     ...     return scale * x, lambda dy: (scale * dy, np.sum(x * dy, axis=0) / len(x))
     >>> stated = verify.properties_of(scaled, {"x": "batch channels", "scale": "channels"})
     >>> [each.name for each in stated][:3]
-    ['gradient for x', 'gradient for scale', 'linearity']
+    ['gradient for x', 'gradient for scale', 'ties']
     >>> verify.check_property(stated[1], scaled)
     Traceback (most recent call last):
     AssertionError: the pullback's gradient for scale is that of central differences
         ...
     """
     name = getattr(f, "__name__", "the operation")
-    text = " ".join(shapes.values())
-    leading = leading_axes(shapes)
-    names = text.replace("...", " ".join(leading)).replace("*", " ").split()
-    drawn_sizes = {size: SIZES for size in names if not size.isdigit()}
-    unknown = {*(sizes or ()), *(values or ()), *(differentiable or ())} - {*shapes, *drawn_sizes}
-    if unknown:
-        only = ", ".join(shapes)
-        raise ValueError(f"{name}: shapes has no {', '.join(sorted(unknown))}, only {only}")
-    if "..." in text:
-        is_alone = set(shapes.values()) == {"..."}
-        drawn_sizes["axes"] = (3, 4, 2, 1) if is_alone else (2, *range(len(leading) + 1))
-    arguments = arguments_of(shapes, {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})})
-    every = with_each_array({**drawn_sizes, **CLASSES, **(sizes or {})}, arguments)
+    shapes = {x: re.sub(r"\s*([*+])\s*", r"\1", text) for x, text in shapes.items()}
+    _require_sizes(name, shapes)
+    known = [*shapes, *names_in(shapes), *leading_axes(shapes)]
+    _require_known(
+        name, "shapes", {*(sizes or ()), *(values or ()), *(differentiable or ())}, known
+    )
+    values = {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
+    arguments = arguments_of(shapes, values)
+    if tuple(dtypes) == ("float32",):
+        arguments = _in_single(arguments)
+    every = with_each_array({**_drawn_sizes(shapes), **CLASSES, **(sizes or {})}, arguments)
     example = arguments(simplest_case(every))
     if differentiable is None:
         differentiable = [name for name, array in example.items() if array.dtype.kind == "f"]
-    smooth = {"without_ties": SMOOTH, "saturates": True}
-    operation = Operation(name, every, arguments, tuple(differentiable), **smooth)
+    operation = Operation(
+        name,
+        every,
+        arguments,
+        tuple(differentiable),
+        without_ties=SMOOTH,
+        saturates=True,
+        seeded_by=f"seed {seed}",
+        drawn_by_caller=tuple(x for x in values if callable(values[x])),
+        is_single=tuple(dtypes) == ("float32",),
+    )
     if definition is not None:
         which = "reference" if is_pair(definition(*example.values())) else "definition"
         operation = replace(operation, **{which: definition})
-    return tuple(shared_properties(operation))
+    stated = tuple(shared_properties(operation))
+    marks = marks or {}
+    _require_known(name, "the list of properties", {*skip, *marks}, [each.name for each in stated])
+    left_out = {*skip} if tuple(dtypes) == DTYPES else {*skip, "dtype"}
+    kept = (each for each in stated if each.name not in left_out)
+    return tuple(replace(each, marks=marks.get(each.name, ())) for each in kept)
+
+
+def _require_known(name: str, where: str, used: set[str], known: Sequence[str]) -> None:
+    missing = ", ".join(sorted(used - {*known}))
+    if missing:
+        named = ", ".join(each for each in known if not each.isdigit())
+        raise ValueError(f"{name}: {where} has no {missing}, only {named}")
+
+
+def _require_sizes(name: str, shapes: Mapping[str, str]) -> None:
+    """Raise a ValueError where a size is no name, number, product or sum, or its name is in use."""
+    for argument, text in shapes.items():
+        for size in text.split():
+            if size != "..." and not SIZE.fullmatch(size):
+                rule = "a size is a name, a number, a product, a sum, or ..."
+                raise ValueError(f"{name}: {argument} has the size {size!r}; {rule}")
+    used = sorted({*names_in(shapes)} & {*IN_USE})
+    if used:
+        raise ValueError(
+            f"{name}: {', '.join(used)} cannot be the name of a size: it has another use"
+        )
+
+
+def _drawn_sizes(shapes: Mapping[str, str]) -> dict[str, tuple]:
+    """The numbers to draw each size from, and how many axes "..." stands for."""
+    leading = leading_axes(shapes) if "..." in " ".join(shapes.values()) else []
+    names = [*names_in(shapes), *(name for name in leading if not name.isdigit())]
+    drawn: dict[str, tuple] = dict.fromkeys(names, SIZES)
+    if leading:
+        is_alone = set(shapes.values()) == {"..."}
+        drawn["axes"] = (3, 4, 2, 1) if is_alone else (2, *range(len(leading) + 1))
+    return drawn
+
+
+def _in_single(arguments: Callable[[Case], dict]) -> Callable[[Case], dict]:
+    """Arguments as float32."""
+
+    def narrowed(case: Case) -> dict[str, object]:
+        made = arguments(case)
+        return {n: a.astype(np.float32) if a.dtype.kind == "f" else a for n, a in made.items()}
+
+    return narrowed
 
 
 def operation_test(
@@ -138,7 +214,7 @@ def operation_test(
     ... def test_square(x):
     ...     return x * x, lambda dy: 2 * x * dy
     >>> len(test_square.operation_test)
-    6
+    7
     """
 
     def with_properties(f: Callable) -> Callable:

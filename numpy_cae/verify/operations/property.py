@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
+from numpy_cae.verify.checks.differences import SINGLE_TOLERANCE
 from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, NUMBER, TYPE, Mismatch, what_failed
 from numpy_cae.verify.checks.written import written_apart
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
@@ -49,6 +50,8 @@ class Comparison:
 
     def __call__(self, implementation: Callable, case: Case) -> None:
         for finding in self.findings(self.operation, implementation, case):
+            if self.operation.is_single and finding.tolerance:
+                finding = finding._replace(tolerance=max(finding.tolerance, SINGLE_TOLERANCE))
             require_equal(*finding)
 
     def results(self, implementation: Callable, case: Case) -> list:
@@ -84,13 +87,14 @@ class Property:
     diagnose: Callable[..., str] | None = field(default=None, repr=False)  # in place of diagnosis
     is_form: bool = False  # functions without the right value may have it, too
     is_gradient: bool = False
+    seeded_by: str = ""  # what the cases depend on, by default the operation
     subject: str = ""  # what it is about, as mismatches name it, such as "the gradient for x"
     marks: tuple = ()  # of pytest
     watches_state: bool = False  # whether global state is compared, too
 
     def cases(self) -> list[Case]:
         """Random cases, the same in every run, smallest arrays first."""
-        name = f"{self.operation}: {self.name}"
+        name = f"{self.seeded_by or self.operation}: {self.name}"
         return random_cases(name, self.sizes, self.examples, self.combined, self.together)
 
     @property
@@ -138,6 +142,7 @@ def property_of(
         Comparison(operation, findings),
         sizes={**operation.sizes, **classes},
         operation=operation.name,
+        seeded_by=operation.seeded_by,
         **options,
     )
 
@@ -226,6 +231,12 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
 
     That of a number is a Python number, which leaves float32 arrays float32.
     """
+    dtype = np.asarray(value).dtype
+    dy = _upstream(case, value)
+    return dy.astype(dtype) if isinstance(dy, np.ndarray) and dtype == np.float32 else dy
+
+
+def _upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
     rng = np.random.default_rng([case.seed, 1])
     kind = case.get("upstream")
     shape = np.shape(value)

@@ -11,9 +11,9 @@ import numpy as np
 
 from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.call import call_of_array
-from numpy_cae.verify.checks.gradients import wrong_gradients
+from numpy_cae.verify.checks.gradients import wrong_gradients, wrong_slope_together
 from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
-from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case
+from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, THE_SAME, Case
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.property import (
     EXACT,
@@ -61,6 +61,8 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         yield property_of(
             operation, f"gradient for {name}", statement, findings, classes, **options
         )
+    if operation.seeded_by and not operation.reference:
+        yield property_of(operation, "ties", TIES, _ties, UPSTREAM | TIED)
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
         findings = partial(_adjoint, name)
@@ -108,18 +110,44 @@ def _gradient(
         both = (operation.alike(arguments, one) for one in (gradient, right[what]))
         yield Finding(what, *both, rounding(case, arguments), operation.floor_of(dy))
     elif not operation.reference or case.get("values") == case.get("state") == ORDINARY:
-
-        def f(*inputs):
-            given = copies({**arguments, **dict(zip(names, inputs, strict=True))})
-            value, pullback = call_of_array(implementation, given)
-            return value, lambda dy: pullback(copied(dy))
-
+        f = _of_differentiated(operation, implementation, arguments)
         inputs = [arguments[name] for name in names]
         others = {"upstream": partial(drawn_upstream, case), "kinks_excused": 1.0}
+        others["may_be_single"] = bool(operation.seeded_by)
         problems = wrong_gradients(f, inputs, names, case.rng(), only=(argument,), **others)
         implementation(*copies(arguments))  # the call that a report shows
         if problems:
             raise problems[0]
+
+
+def _ties(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """Compare the gradients together with the slope of moving equal entries by equal amounts.
+
+    Along such a direction a maximum of equal entries has no kink, so that a gradient that is given
+    to each of them is found.
+    """
+    arguments = operation.arguments(case)
+    f = _of_differentiated(operation, implementation, arguments)
+    inputs = [arguments[name] for name in operation.differentiated]
+    upstream = partial(drawn_upstream, case)
+    problem = wrong_slope_together(f, inputs, operation.differentiated, upstream)
+    implementation(*copies(arguments))  # the call that a report shows
+    if problem:
+        raise problem
+    yield from ()
+
+
+def _of_differentiated(
+    operation: Operation, implementation: Callable, arguments: Mapping[str, object]
+) -> Callable:
+    """An implementation as a function of the arguments that get gradients."""
+
+    def f(*inputs):
+        named = dict(zip(operation.differentiated, inputs, strict=True))
+        value, pullback = call_of_array(implementation, copies({**arguments, **named}))
+        return value, lambda dy: pullback(copied(dy))
+
+    return f
 
 
 def _adjoint(argument: str, operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -160,7 +188,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     if case.get("layout") == "broadcast" and not operation.reference:
         return  # equal entries cancel in general functions, and leave nothing but rounding
     rng = np.random.default_rng(0)
-    layout = LAYOUTS[case.get("layout")]
+    layout = _layout(operation, case)
     arguments = operation.arguments(case)
     arguments = dict(zip(arguments, copies(arguments, layout), strict=True))
     dy = drawn_upstream(case, implementation(*copies(arguments))[0])
@@ -172,6 +200,8 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
         def widened(array: np.ndarray) -> np.ndarray:
             if array.dtype != np.float32:
                 return array
+            if any(array is given[name] for name in operation.drawn_by_caller):
+                return array.astype(float)
             return array * (1.0 + rounding * rng.choice([-0.5, 0.5], array.shape))
 
         wide_dy = widened(dy) if np.ndim(dy) else dy
@@ -190,6 +220,12 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
             allowed = FLOAT32_ULPS * (FLOAT32 * max(floor, _largest(expected)) + by)
             off = operation.alike(arguments, np.float64(result)) - expected
             yield Finding(f"of float32, the error of {what}", off, np.zeros_like(off), allowed)
+
+
+def _layout(operation: Operation, case: Case) -> Callable[[np.ndarray], np.ndarray]:
+    """The memory layout of a case; none that alters numbers which the caller has drawn."""
+    name = case.get("layout")
+    return LAYOUTS["read-only" if operation.drawn_by_caller and name == "broadcast" else name]
 
 
 def _in_float32(argument: object) -> object:
@@ -212,7 +248,7 @@ def _require_dtype(what: str, result, dtype: type) -> None:
 
 
 def _purity(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    layout = LAYOUTS[case.get("layout")]
+    layout = _layout(operation, case)
     arguments = operation.arguments(case)
     given = copies(arguments, layout)
     before = copies(dict(zip(arguments, given, strict=True)))
@@ -263,7 +299,7 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
     call = partial(_Called.of, operation, implementation)
     another = Case(case.sizes, case.seed + 1)
     others = operation.arguments(another)
-    given = copies(operation.arguments(case), LAYOUTS[case.get("layout")])
+    given = copies(operation.arguments(case), _layout(operation, case))
     alone = call(case, given)
     value = np.copy(alone.value)
     right = _copied_by_name(alone.gradients())
@@ -285,7 +321,8 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
         expected = [second_value, *second_right.values()]
         for (what, result), other in zip(again.items(), expected, strict=True):
             yield _again(f"of the same arrays with other numbers, {what}", result, other)
-        yield _with_one_other_entry(operation, implementation, case, given)
+        if not operation.drawn_by_caller:
+            yield _with_one_other_entry(operation, implementation, case, given)
 
 
 def _copied_by_name(gradients: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -330,12 +367,12 @@ def _with_one_other_entry(
     known = operation.reference or operation.definition
     right = operation.value if known else lambda *arrays: implementation(*arrays)[0]
     expected = right(*(np.copy(a) if isinstance(a, np.ndarray) else a for a in given))
-    return Finding(f"of the same arrays with one other entry of {name}, the value", value, expected)
+    return _again(f"of the same arrays with one other entry of {name}, the value", value, expected)
 
 
 def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
     arguments = operation.arguments(case)
-    layout = LAYOUTS[case.get("layout")]
+    layout = _layout(operation, case)
     given = copies(arguments, layout)
     for number, name in enumerate(arguments):
         if case.get("of") not in (ORDINARY, name):
@@ -366,6 +403,8 @@ TOGETHER = ({}, KEPT | {"upstream": "sparse"}, KEPT | {"values": "huge", "of": "
 """Classes tried with the project's sizes. Where a state is kept: one gradient far back, and gates
 that pass the state over all frames."""
 VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
+TIED = {"values": ("ties", "signed zeros", "equal slices", "symmetric", "constant", THE_SAME)}
+TIES = "along directions that keep equal entries equal, the gradients give the slope of the value"
 LINEAR = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
 LAID_OUT = "views in any memory order, or that cannot be written, give the same as copies"
 PRECISE = "float32 stays float32, with its precision, float64 likewise"
