@@ -66,7 +66,7 @@ def pytest_pyfunc_call(pyfuncitem) -> bool | None:
     operation.__name__ = function.__name__
     problem = ""
     try:
-        check_property(stated, operation)
+        check_property(stated, operation, vars(function).setdefault("operation_crashes", set()))
     except AssertionError as error:
         problem = str(error)
     if problem:  # without a traceback: the lines of numpy_cae would not help

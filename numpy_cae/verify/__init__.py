@@ -2,10 +2,12 @@
 
 An operation is a function that returns its value and its pullback. `check_gradients` and
 `check_adjoint` raise; `properties` lists what must hold of an operation of `numpy_cae.ops`, and
-`properties_of` of one of your own, which `operation_test` turns into tests of pytest. `report`
-tests an operation for all of it, and `numpy-cae verify student.py` a file, in a process of its own.
+`properties_of` of one of your own, which `operation_test` turns into tests of pytest. `of_layer`
+and `of_cache` make operations of layers of other forms. `report` tests an operation for all of it,
+and `numpy-cae verify student.py` a file, in a process of its own.
 """
 
+from numpy_cae.verify.adapters import of_cache, of_layer
 from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.gradients import check_gradients
 from numpy_cae.verify.grading.report import report

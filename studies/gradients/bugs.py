@@ -15,6 +15,8 @@ from pathlib import Path
 import numpy as np
 
 FOLDER = Path(__file__).with_name("historical")
+LAYERS = Path(__file__).with_name("layers")
+"""LAYERS: those of small projects in NumPy, found by the properties."""
 SIZES = (6, 4, 5)
 """The sizes of the first, second and third axis of the arrays that checks of one point get."""
 
@@ -72,9 +74,9 @@ class Bug:
         return tuple(rng.standard_normal(shape) for shape in shapes)
 
 
-def bugs() -> list[Bug]:
-    """Every historical bug, in the order of the names."""
-    return [_read(path) for path in sorted(FOLDER.glob("*.txt"))]
+def bugs(folder: Path = FOLDER) -> list[Bug]:
+    """Every bug in a folder, in the order of the names."""
+    return [_read(path) for path in sorted(folder.glob("*.txt"))]
 
 
 def _read(path: Path) -> Bug:

@@ -94,6 +94,13 @@ def test_the_command_prints_json_and_its_status_tells(tmp_path, capsys):
     assert "gradient for x" in [p["name"] for p in file["operations"][0]["properties"]]
 
 
+def test_a_right_function_that_is_too_slow_for_the_largest_size_keeps_what_it_earned(graded):
+    (report,) = graded(RIGHT.replace("    y = ", "    while x.size > 9999: pass\n    y = ")).reports
+    held = {outcome.stated.name for outcome in report.outcomes if outcome.held}
+    assert {"value", "gradient for x", "purity"} <= held and not report.held
+    assert report.points >= 8 and "smaller cases were right" in str(report)
+
+
 CACHED = (FILES / "cached_results.txt").read_text()
 
 

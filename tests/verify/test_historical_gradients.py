@@ -5,21 +5,22 @@ import pytest
 
 from numpy_cae import verify
 from numpy_cae.verify.operations.trial import failing_case
-from studies.gradients.bugs import bugs
+from studies.gradients.bugs import LAYERS, bugs
 
 BUGS = bugs()
+OF_LAYERS = bugs(LAYERS)
 
 
 def properties(bug):
     return verify.properties_of(bug.function(fixed=False), bug.shapes, values=bug.ranges)
 
 
-@pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.name)
+@pytest.mark.parametrize("bug", BUGS + OF_LAYERS, ids=lambda bug: bug.name)
 def test_the_wrong_version_is_found(bug):
     assert any(failing_case(stated, bug.function(fixed=False)) for stated in properties(bug))
 
 
-@pytest.mark.parametrize("bug", BUGS[::4], ids=lambda bug: bug.name)
+@pytest.mark.parametrize("bug", BUGS[::4] + OF_LAYERS, ids=lambda bug: bug.name)
 def test_the_fixed_version_holds(bug):
     for stated in properties(bug):
         assert failing_case(stated, bug.function(fixed=True)) is None, stated.name

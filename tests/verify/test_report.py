@@ -21,7 +21,7 @@ def test_a_report_shows_points_counterexample_and_mistake():
     assert (report.points, report.possible, report.held) == (6, 17, False)
     failed, special = (outcome for outcome in report.outcomes if not outcome.held)
     assert (failed.stated.name, special.stated.name) == ("gradient for b", "special inputs")
-    assert special.counterexample.startswith("batch 2, frames 1, channels 1, filters 1, taps 1")
+    assert special.counterexample.startswith("batch 1, frames 2, channels 1, filters 1, taps 1")
     assert failed.mistake == ""  # no planted bug takes the mean over windows and frames
     text = str(report)
     assert text.splitlines()[0].startswith("my_conv1d as conv1d")

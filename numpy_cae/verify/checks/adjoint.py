@@ -9,7 +9,6 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.verify.checks.call import gradients_of, require_shape
-from numpy_cae.verify.checks.mismatch import NUMBER, Mismatch
 
 
 def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 1e-12) -> None:
@@ -37,10 +36,9 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
     >>> from numpy_cae.verify import check_adjoint
     >>> x, y = np.array([1.0, 2.0]), np.array([1.0, 2.0, 3.0, 5.0])
     >>> check_adjoint(lambda x: (np.repeat(x, 2), lambda dy: dy[::2] + dy[1::2]), x, y)
-    >>> half = lambda x: (np.repeat(x, 2), lambda dy: dy[::2])
-    >>> check_adjoint(half, x, y)  # doctest: +ELLIPSIS
+    >>> check_adjoint(lambda x: (np.repeat(x, 2), lambda dy: dy[::2]), x, y)
     Traceback (most recent call last):
-    numpy_cae.verify.checks.mismatch.Mismatch: the pullback is not the adjoint: <A x, y> = 19...
+    AssertionError: the pullback is not the adjoint: <A x, y> = 19, but <x, A' y> = 7
     """
     value, pullback = f(x)
     require_shape("the value", value, np.shape(y))
@@ -50,9 +48,7 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
     backward = float(np.sum(x * pulled))
     scale = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
     if not abs(forward - backward) <= tolerance * scale:
-        raise Mismatch(
-            NUMBER,
-            "the pullback",
+        raise AssertionError(
             f"the pullback is not the adjoint: <A x, y> = {forward:.12g}, "
-            f"but <x, A' y> = {backward:.12g}",
+            f"but <x, A' y> = {backward:.12g}"
         )

@@ -166,13 +166,18 @@ class Argument:
 
         The scatter contains rounding within f, which no output shows where large terms cancel.
         """
-        none = np.zeros(self.here.shape, dtype=bool)
+        depend = np.zeros(self.here.shape, dtype=bool)
         steps = [best.step * factor for factor in NEIGHBOURS]
-        found = [self._slope(direction, step, verdict.analytic, none).central for step in steps]
+        found = [self._slope(direction, step, verdict.analytic, depend).central for step in steps]
         scatter = np.ptp([*found, best.central])
         larger = max(abs(verdict.numeric), abs(verdict.analytic))
         off = min(abs(slope - verdict.analytic) for slope in (*found, verdict.numeric))
-        is_wrong = off > self.tolerance * larger + SCATTER_MARGIN * scatter
+        dy = np.abs(self.dy)
+        weight = np.sum(dy[depend]) or np.max(dy, initial=0.0)
+        terms = weight * np.max(np.abs(self.here), initial=0.0)
+        terms += np.sum(np.abs(self.gradient * direction))
+        rounding = ROUNDING_MARGIN * self.epsilon * terms  # of the gradient
+        is_wrong = off > self.tolerance * larger + SCATTER_MARGIN * scatter + rounding
         return WRONG if is_wrong else UNDECIDED
 
     def _slope(

@@ -1,10 +1,14 @@
 """Numbers, arrays and other things as they are written in a message."""
 
+import os
 import traceback
+from pathlib import Path
 
 import numpy as np
 
+STANDARD = Path(os.__file__).parent
 LONGEST_TEXT = 2000
+"""LONGEST_TEXT: a message has at most so many characters."""
 
 WORTH_PRINTING = 32
 """Arrays of at most so many entries are printed in a counterexample."""
@@ -54,6 +58,20 @@ def error_text(error: BaseException, file: str = "") -> str:
         text = f"{type(error).__name__}, whose message cannot be printed"
     if isinstance(error, SystemExit):
         text = "it calls sys.exit"
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == file]
-    return f"{text} (line {lines[-1]})" if lines else text
+    frames = traceback.extract_tb(error.__traceback__) if file else []
+    foreign = [
+        frame for frame in frames if frame.filename == file or not _is_library(frame.filename)
+    ]
+    if not foreign:
+        return text
+    name = "" if foreign[-1].filename == file else f"{Path(foreign[-1].filename).name}, "
+    return f"{text} ({name}line {foreign[-1].lineno})"
+
+
+def _is_library(file: str) -> bool:
+    """Whether a file belongs to numpy_cae, NumPy, SciPy or the standard library."""
+    path = Path(file)
+    if not path.is_absolute():
+        return True
+    is_standard = STANDARD in path.parents and "site-packages" not in path.parts
+    return is_standard or bool({"numpy", "scipy", "numpy_cae"} & {*path.parts})

@@ -3,8 +3,10 @@
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from numpy_cae.verify.checks.mismatch import ALTERED, SHAPE
+from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.catalogue import (
     CONTRACT,
     Exercise,
@@ -12,6 +14,7 @@ from numpy_cae.verify.operations.catalogue import (
     in_other_conventions,
 )
 from numpy_cae.verify.operations.property import Outcome, Property
+from numpy_cae.verify.operations.shared_properties import LARGEST
 from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, failure, try_property
 from numpy_cae.visible import visible
 
@@ -148,7 +151,7 @@ class Report:
         """
 
         def place(outcome: Outcome) -> int:
-            return (outcome.stated.name == "special inputs") - (outcome.kind == ALTERED)
+            return (outcome.stated.name == LARGEST) - (outcome.kind == ALTERED)
 
         failing = [outcome for outcome in self.outcomes if outcome.problem and not outcome.held]
         return sorted(failing, key=place)
@@ -252,22 +255,29 @@ def report(
 
 
 def tested(
-    exercise: Exercise, function: Callable, any_convention: bool
+    exercise: Exercise,
+    function: Callable,
+    any_convention: bool,
+    begin: Callable[[Sequence[Outcome], Case], None] = lambda outcomes, case: None,
 ) -> tuple[Exercise, tuple[Outcome, ...]]:
-    """The outcome of every property, and the exercise in the convention that was followed."""
+    """The outcome of every property, and the exercise in the convention that was followed.
+
+    `begin` is called before each case, with the outcomes of the properties before.
+    """
     if any_convention:
         for followed in (exercise, *in_other_conventions(exercise)):
             if holds(followed, function):
                 return followed, tuple(Outcome(stated, True) for stated in followed.properties)
     first, *others = exercise.properties
-    outcome = try_property(first, function)
-    if outcome.kind == UNSOLVED:
-        rest = [Outcome(stated, False, UNSOLVED, kind=UNSOLVED) for stated in others]
-    elif not outcome.held and _never_answers(first, function):
-        rest = [Outcome(stated, False) for stated in others]
+    outcomes = [try_property(first, function, begin=partial(begin, ()))]
+    if outcomes[0].kind == UNSOLVED:
+        outcomes += [Outcome(stated, False, UNSOLVED, kind=UNSOLVED) for stated in others]
+    elif not outcomes[0].held and _never_answers(first, function):
+        outcomes += [Outcome(stated, False) for stated in others]
     else:
-        rest = [try_property(stated, function) for stated in others]
-    return exercise, (outcome, *rest)
+        for stated in others:
+            outcomes.append(try_property(stated, function, begin=partial(begin, outcomes)))
+    return exercise, tuple(outcomes)
 
 
 def _never_answers(stated: Property, function: Callable) -> bool:

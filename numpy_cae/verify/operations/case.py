@@ -20,6 +20,8 @@ SEEDS_TRIED = 3
 """SEEDS_TRIED: seeds below this number are tried to make a counterexample simpler."""
 LARGE = 16
 """LARGE: a size above this occurs in one case of a property only, together with small sizes."""
+BELOW_POWERS = (7, 15)
+SEVERAL_TAPS = 5
 VERY_LARGE = 100
 """VERY_LARGE: a size above this gets a case of its own, in which all other sizes are small."""
 ORDINARY = "ordinary"
@@ -169,6 +171,7 @@ def random_cases(
     rng = np.random.default_rng(zlib.crc32(name.encode()))
     rows = [
         *_mixed_rows(rng, sizes, count, [size for size in combined if size in sizes]),
+        *_rows_of_powers_of_two(sizes),
         *_rows_of_very_large_sizes(sizes),
         *_rows_of_last_sizes(sizes, together),
     ]
@@ -191,6 +194,13 @@ def _mixed_rows(
         columns[size][number] = option
     for row in zip(*columns.values(), strict=True):
         yield dict(zip(columns, row, strict=True))
+
+
+def _rows_of_powers_of_two(sizes: Sizes) -> Iterator[dict]:
+    """One frame less than a power of two with several taps, where a short FFT wraps around."""
+    for frames, taps in product(BELOW_POWERS, sizes.get("taps", ())):
+        if frames in sizes.get("frames", ()) and SEVERAL_TAPS <= taps <= LARGE:
+            yield _first_options(sizes) | {"frames": frames, "taps": taps}
 
 
 def _rows_of_very_large_sizes(sizes: Sizes) -> Iterator[dict]:
@@ -219,7 +229,7 @@ def _numbers(sizes: Sizes) -> Sizes:
 
 def _column(rng: np.random.Generator, options: Sequence, count: int) -> list:
     """`count` of the options that are not large, in random order, all equally often."""
-    small = [option for option in options if not _is_large(option)]
+    small = [option for option in options if not _is_large(option)] or options
     order = [rng.permutation(len(small)) for _ in range(-(-count // len(small)))]
     return [small[i] for i in np.concatenate(order)[:count]]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.patch import Patch, conventions_of, right_operation
 from numpy_cae.verify.operations.property import Property
-from numpy_cae.verify.operations.shared_properties import shared_properties
+from numpy_cae.verify.operations.shared_properties import LARGEST, shared_properties
 from numpy_cae.verify.operations.single_properties import single_properties
 
 CONTRACT = "that of numpy_cae.ops"
@@ -39,7 +39,8 @@ def properties_of_operation(name: str, convention: Patch | None = None) -> tuple
     if convention is not None:
         operation = replace(operation, reference=convention.function())
         only_ours = convention.caught_by
-    every = (*shared_properties(operation), *single_properties(operation))
+    every = [*shared_properties(operation), *single_properties(operation)]
+    every.sort(key=lambda stated: stated.name == LARGEST)  # what takes longest comes last
     return tuple(stated for stated in every if stated.name != only_ours)
 
 

@@ -1,6 +1,6 @@
 """`example`: the arguments of a counterexample, which a report prints as a call."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,13 +20,14 @@ class Example:
     gradients: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def example(name: str | Exercise, seed: int, **sizes: int | str) -> Example:
+def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int | str) -> Example:
     """The arguments of a counterexample: a report prints the call of this function.
 
     Parameters
     ----------
-    name : str or Exercise
-        An operation of `numpy_cae.ops`, "tied_layer", or an exercise.
+    name : str, Exercise, Property or callable
+        An operation of `numpy_cae.ops`, "tied_layer", an exercise, a property of an operation of
+        one's own, or a function that `operation_test` has marked.
     seed : int
     **sizes : int or str
         The sizes of the arrays, such as frames=2, and classes such as values="ties".
@@ -49,9 +50,14 @@ def example(name: str | Exercise, seed: int, **sizes: int | str) -> Example:
     >>> case.arguments["x"].ravel().tolist(), case.value.ravel().tolist()
     ([2.0, 1.0], [2.0])
     """
-    exercise = find_exercise(name)
-    first = exercise.properties[0]
-    case = _case_of(exercise.properties, seed, sizes)
+    if isinstance(name, Property):
+        properties = (name,)
+    elif callable(name):
+        properties = name.operation_test  # type: ignore[attr-defined]
+    else:
+        properties = find_exercise(name).properties
+    first = properties[0]
+    case = _case_of(properties, seed, sizes)
     arguments = first.arguments(case)
     operation = first.definition
     if operation is None:
@@ -79,7 +85,8 @@ def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int 
     return Case(tuple(sizes.items()), seed)
 
 
-def example_call(name: str, case: Case) -> str:
-    """The call of `verify.example` that returns a case."""
+def example_call(stated: Property, case: Case) -> str:
+    """The call of `verify.example` that returns a case of a property."""
+    name = stated.example_of or f'"{stated.operation}"'
     sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
-    return f'example("{name}", {sizes}, seed={case.seed})'
+    return f"example({name}, {sizes}, seed={case.seed})"

@@ -72,10 +72,14 @@ CLASSES = {"values": tuple(VALUES)}
 EXTREME = {"values": (*VALUES, "extreme")}
 AT_BOUNDS = {"values": (*VALUES, "bound")}
 CHANNELS = (1, 2, 3, 17)
-WINDOW = {"batch": (1, 2, 3, 4, 6, 70), "frames": (1, 2, 3, 4, 5, 8, 9, 70), "channels": CHANNELS}
+WINDOW = {
+    "batch": (1, 2, 3, 4, 6, 70),
+    "frames": (1, 2, 3, 4, 5, 8, 9, 70),
+    "channels": CHANNELS,
+}
 PAIRS = WINDOW | {"frames": (2, 4, 6, 8, 10, 16, 18, 140)}
 FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
-FILTERED = WINDOW | FILTERS | CLASSES
+FILTERED = WINDOW | FILTERS | CLASSES | {"frames": (1, 2, 3, 4, 5, 7, 8, 9, 15, 70)}
 ANY_SHAPE = WINDOW | {"axes": (3, 4, 2, 1)}
 LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 3, 1, 0, 4)} | CLASSES
 STATE = {"state": (ORDINARY, "zeros", "huge")}

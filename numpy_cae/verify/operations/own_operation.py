@@ -21,7 +21,7 @@ from numpy_cae.verify.operations.operation import (
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
-SIZES = (1, 2, 3, 4, 5, 8, 33)
+SIZES = (1, 2, 3, 4, 5, 7, 8, 15, 33)
 """SIZES: the numbers that a size is drawn from if the caller does not state them."""
 SIZE = re.compile(r"[^\W\d]\w*|\d+|(?:\w+[*+])+\w+")
 IN_USE = ("values", "of", "layout", "upstream", "axes", "state", "seed")
@@ -137,7 +137,9 @@ def properties_of(
     _require_known(name, "the list of properties", {*skip, *marks}, [each.name for each in stated])
     left_out = {*skip} if tuple(dtypes) == DTYPES else {*skip, "dtype"}
     kept = (each for each in stated if each.name not in left_out)
-    return tuple(replace(each, marks=marks.get(each.name, ())) for each in kept)
+    return tuple(
+        replace(each, marks=marks.get(each.name, ()), example_of="stated") for each in kept
+    )
 
 
 def _require_known(name: str, where: str, used: set[str], known: Sequence[str]) -> None:
@@ -218,7 +220,9 @@ def operation_test(
     """
 
     def with_properties(f: Callable) -> Callable:
-        f.operation_test = properties_of(f, shapes, definition, **options)  # type: ignore[attr-defined]
+        stated = properties_of(f, shapes, definition, **options)
+        named = (replace(each, example_of=f.__name__) for each in stated)
+        f.operation_test = tuple(named)  # type: ignore[attr-defined]
         f.operation_arrays = tuple(shapes)  # type: ignore[attr-defined]
         return f
 

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
-from numpy_cae.verify.checks.differences import SINGLE_TOLERANCE
 from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, NUMBER, TYPE, Mismatch, what_failed
 from numpy_cae.verify.checks.written import written_apart
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
@@ -19,6 +18,8 @@ from numpy_cae.verify.operations.operation import Operation
 
 EXACT = 1e-10
 """EXACT: results of float64 agree if they differ by at most this, relative to the largest entry."""
+SINGLE_EXACT = 1e-3
+"""SINGLE_EXACT: the same for operations of one's own that are tried in float32 only."""
 EXAMPLES = 24
 """EXAMPLES: a property that does not set `examples` is tried on at least so many cases."""
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 1.7}
@@ -51,7 +52,7 @@ class Comparison:
     def __call__(self, implementation: Callable, case: Case) -> None:
         for finding in self.findings(self.operation, implementation, case):
             if self.operation.is_single and finding.tolerance:
-                finding = finding._replace(tolerance=max(finding.tolerance, SINGLE_TOLERANCE))
+                finding = finding._replace(tolerance=max(finding.tolerance, SINGLE_EXACT))
             require_equal(*finding)
 
     def results(self, implementation: Callable, case: Case) -> list:
@@ -87,6 +88,7 @@ class Property:
     diagnose: Callable[..., str] | None = field(default=None, repr=False)  # in place of diagnosis
     is_form: bool = False  # functions without the right value may have it, too
     is_gradient: bool = False
+    example_of: str = ""  # how a report names it in a call of `example`
     seeded_by: str = ""  # what the cases depend on, by default the operation
     subject: str = ""  # what it is about, as mismatches name it, such as "the gradient for x"
     marks: tuple = ()  # of pytest
@@ -124,6 +126,7 @@ class Outcome:
     subject: str = ""  # of the mismatch
     case: Case | None = None  # the counterexample's
     notes: tuple[str, ...] = ()  # the warnings of the implementation
+    crashed: bool = False  # whether the implementation raised
 
 
 def property_of(
@@ -258,7 +261,7 @@ def _upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
 
 def copied(dy: np.ndarray | float) -> np.ndarray | float:
     """An upstream gradient that the pullback may overwrite."""
-    return dy.copy() if isinstance(dy, np.ndarray) and dy.flags.writeable else dy
+    return dy.copy() if isinstance(dy, np.ndarray) else dy
 
 
 def copies(arguments: Mapping[str, object], layout: Callable = np.ndarray.copy) -> list:

@@ -51,13 +51,19 @@ class Recorder:
         return returned[0], recorded_pullback
 
 
-def try_property(tried: Property, implementation: Callable, shrink: bool = True) -> Outcome:
+def try_property(
+    tried: Property,
+    implementation: Callable,
+    shrink: bool = True,
+    begin: Callable[[Case], None] = lambda case: None,
+) -> Outcome:
     """Test an implementation for a property on random cases, the same in every run.
 
-    The counterexample is the smallest case that fails, or without `shrink` the first one.
+    The counterexample is the smallest case that fails, or without `shrink` the first one. `begin`
+    is called with each case before it is tried.
     """
     notes: list[str] = []
-    case = failing_case(tried, implementation, notes)
+    case = failing_case(tried, implementation, notes, begin)
     if case is None:
         return Outcome(tried, held=True, notes=tuple(notes))
     last = Recorder(implementation)
@@ -75,15 +81,18 @@ def try_property(tried: Property, implementation: Callable, shrink: bool = True)
         problem = "called again with the same arguments, it returns something else"
         return Outcome(tried, False, problem, str(case), case=case, notes=tuple(notes))
     problem = str(error)[:LONGEST_TEXT]
-    if not isinstance(error, AssertionError):
+    crashed = not isinstance(error, AssertionError)
+    if crashed:
         problem = error_text(error, file_of(implementation))
+    if isinstance(error, RecursionError | MemoryError):
+        problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
     example = "\n".join(_described(tried, case, last, error))
     mistake = ""
     if isinstance(error, AssertionError | ValueError | IndexError):  # as planted bugs raise
         mistake = likely_mistake(tried, implementation)
     kind, subject = what_failed(error)
     return Outcome(
-        tried, False, problem, example, mistake, kind, subject, case=case, notes=tuple(notes)
+        tried, False, problem, example, mistake, kind, subject, case, tuple(notes), crashed
     )
 
 
@@ -112,15 +121,21 @@ def _simpler(case: Case, sizes: Sizes) -> Iterator[Case]:
 
 
 def failing_case(
-    tried: Property, implementation: Callable, notes: list[str] | None = None
+    tried: Property,
+    implementation: Callable,
+    notes: list[str] | None = None,
+    begin: Callable[[Case], None] = lambda case: None,
 ) -> Case | None:
     """The first case in which a property does not hold, or None; its warnings become notes."""
     notes = [] if notes is None else notes
-    cases = tried.cases()
-    return next((c for c in cases if failure(tried, implementation, c, notes) is not None), None)
+    for case in tried.cases():
+        begin(case)
+        if failure(tried, implementation, case, notes) is not None:
+            return case
+    return None
 
 
-def check_property(stated: Property, function: Callable) -> None:
+def check_property(stated: Property, function: Callable, crashes: set[str] | None = None) -> None:
     """Raise unless an implementation has a property.
 
     Parameters
@@ -129,6 +144,8 @@ def check_property(stated: Property, function: Callable) -> None:
         One of `properties`; in a test file, `pytest.mark.parametrize` makes a test of each.
     function : callable
         The implementation.
+    crashes : set of str, optional
+        The errors that were already shown for other properties: they are not shown in full again.
 
     Raises
     ------
@@ -153,7 +170,11 @@ def check_property(stated: Property, function: Callable) -> None:
         ...
     """
     outcome = try_property(stated, function)
-    message = (stated.statement, outcome.problem, outcome.counterexample, outcome.mistake)
+    message = [stated.statement, outcome.problem, outcome.counterexample, outcome.mistake]
+    if outcome.crashed and crashes is not None:
+        if outcome.problem in crashes:
+            message = [f"as in an earlier test, {outcome.problem}"]
+        crashes.add(outcome.problem)
     conclude([] if outcome.held else [*filter(None, message)], outcome.notes)
 
 
@@ -190,7 +211,7 @@ def _described(tried: Property, case: Case, last: Recorder, error: Exception) ->
     yield str(case)
     lines = [f"{name} = {written(argument)}" for name, argument in shown.items()]
     is_short = sum(map(len, lines)) <= LONGEST_ARGUMENTS
-    yield from lines if is_short else [example_call(tried.operation, case)]
+    yield from lines if is_short else [example_call(tried, case)]
     result = getattr(error, "result", None)
     if result is not None and result.size <= WORTH_PRINTING:
         result, right = written_apart(result, error.expected)

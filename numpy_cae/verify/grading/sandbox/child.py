@@ -6,7 +6,7 @@ import secrets
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
@@ -21,6 +21,7 @@ from numpy_cae.verify.grading.report import tested
 from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.property import Outcome
 from numpy_cae.verify.operations.trial import failure
 
 MOST_WRITTEN = 2**26
@@ -66,10 +67,11 @@ class Grading:
         for name, function in wanted.items():
             if name in present:
                 left = len(present) - len(results)
-                results[name] = self.apart(partial(self._tested, name), left)
+                results[name] = self._outcomes(name, left)
                 with suppress(LookupError, TypeError, AttributeError):  # a file may write its own
                     self._try_alone(name, results[name].get("outcomes", ()), left)
-            held = all(one.get("held") for one in results.get(name, {}).get("outcomes", [{}]))
+            result = results.get(name, {"failed": "missing"})
+            held = "failed" not in result and all(one["held"] for one in result["outcomes"])
             if name in self.request["replaced"] and not held:
                 self.instead[function] = self.catalogue[name].solution
         return {"failed": "", "problems": [], **loaded, "results": results}
@@ -94,9 +96,26 @@ class Grading:
         functions, _ = self.submission.run(self.given, self.instead)
         return functions[self.request["wanted"][name]]
 
-    def _tested(self, name: str) -> dict:
+    def _outcomes(self, name: str, left: int) -> dict:
+        """The outcomes of one function; if its process is ended, those until then."""
+        until_then = Path(secrets.token_hex(16)).absolute()
+        result = self.apart(partial(self._tested, name, until_then), left)
+        with suppress(OSError, ValueError):
+            if result.get("failed"):
+                result = {**json.loads(until_then.read_text()), **result}
+        until_then.unlink(missing_ok=True)
+        return result
+
+    def _tested(self, name: str, until_then: Path) -> dict:
+        exercise = self.catalogue[name]
+        begun = until_then.with_suffix(".new")
+
+        def begin(outcomes: Sequence[Outcome], case: Case) -> None:
+            begun.write_text(json.dumps({**reply_of(exercise, outcomes), "trying": str(case)}))
+            begun.replace(until_then)
+
         function = self._function(name)
-        return reply_of(*tested(self.catalogue[name], function, self.request["any_convention"]))
+        return reply_of(*tested(exercise, function, self.request["any_convention"], begin))
 
     def _is_right(self, name: str, number: int, sizes: list, seed: int) -> dict:
         stated = self.catalogue[name].properties[number]

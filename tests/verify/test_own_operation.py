@@ -1,0 +1,215 @@
+"""`properties_of` for operations of one's own, right and wrong, and adapters for layers."""
+
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+from written_otherwise import conv1d_by_fft
+
+from numpy_cae import ops, verify
+from numpy_cae.verify.grading.report import holds
+from numpy_cae.verify.operations.catalogue import CATALOGUE
+from numpy_cae.verify.operations.trial import failing_case, try_property
+from studies.gradients.bugs import bugs
+
+
+def failing(f, shapes, **options):
+    """The names of the properties that f has not."""
+    stated = verify.properties_of(f, shapes, **options)
+    return [each.name for each in stated if failing_case(each, f)]
+
+
+SHAPES = {
+    "linear": {"x": "... channels", "w": "channels features", "b": "features"},
+    "max_pool": {"x": "batch 2*frames channels"},
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_right_operations_hold_without_and_with_a_definition(name):
+    f = getattr(ops, name)
+    for definition in (None, f):
+        stated = verify.properties_of(f, SHAPES[name], definition)
+        assert ("value" in [each.name for each in stated]) == (definition is not None)
+        assert failing(f, SHAPES[name], definition=definition) == []
+
+
+@pytest.mark.parametrize(
+    "bug", bugs(Path(__file__).parent / "own_operations"), ids=lambda b: b.name
+)
+def test_a_wrong_operation_of_ones_own_fails_in_its_property(bug):
+    assert failing(bug.function(fixed=True), bug.shapes) == []
+    f = bug.function(fixed=False)
+    failed = failing(f, bug.shapes)
+    assert bug.fields["property"] in failed
+    if failed == ["independence"]:
+        outcome = try_property(verify.properties_of(f, bug.shapes)[-1], f)
+        assert outcome.mistake == bug.fields["mistake"]
+
+
+def normalised(x, gain, epsilon=1e-5):
+    centred = x - x.mean(axis=-1, keepdims=True)
+    deviation = np.sqrt(np.mean(centred**2, axis=-1, keepdims=True) + epsilon)
+    n = centred / deviation
+
+    def pullback(dy):
+        dn = dy * gain
+        along = n * np.mean(dn * n, axis=-1, keepdims=True)
+        dgain = np.sum(dy * n, axis=tuple(range(x.ndim - 1)))
+        return (dn - dn.mean(axis=-1, keepdims=True) - along) / deviation, dgain
+
+    return gain * n, pullback
+
+
+def by_buffer(x, w):
+    buffer = np.empty(x.shape, np.float32)
+    buffer[...] = x
+    return buffer @ w, lambda dy: (dy @ w.T, buffer.astype(x.dtype).T @ dy)
+
+
+def first_column(x):
+    return x[:, :1] + 0, lambda dy: np.pad(dy, ((0, 0), (0, x.shape[1] - 1)))
+
+
+def single(f):
+    """A layer that computes in float32 only."""
+
+    def layer(*arrays):
+        value, pullback = f(*(array.astype(np.float32) for array in arrays))
+        return value, lambda dy: pullback(dy.astype(np.float32))
+
+    return layer
+
+
+LAYER = {"x": "... channels", "gain": "channels"}
+SINGLE = {"dtypes": ["float32"]}
+
+
+@pytest.mark.parametrize(
+    ("f", "shapes", "options"),
+    [
+        (normalised, LAYER, {"sizes": {"channels": (4, 8, 16)}}),
+        (lambda x, gain: normalised(x, gain, 1e-8), LAYER, {"sizes": {"channels": (2, 3, 4)}}),
+        (by_buffer, {"x": "n c", "w": "c d"}, {"skip": ["dtype"]}),
+        (single(normalised), LAYER, SINGLE),
+        (single(ops.max_pool), {"x": "batch 2*frames channels"}, SINGLE),
+        (first_column, {"x": "n in + out"}, {}),
+    ],
+)
+@pytest.mark.parametrize("seed", range(2))
+def test_a_right_layer_is_right_with_any_seed(f, shapes, options, seed):
+    assert failing(f, shapes, seed=seed, **options) == []
+
+
+def test_cases_do_not_depend_on_the_name():
+    other = lambda *arrays: normalised(*arrays)  # noqa: E731
+    one, two = (verify.properties_of(f, LAYER)[0].cases() for f in (normalised, other))
+    assert one == two != verify.properties_of(normalised, LAYER, seed=1)[0].cases()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_value_that_is_not_finite_fails_and_says_so(value):
+    f = lambda x: (np.full_like(x, value), lambda dy: 0 * dy)  # noqa: E731
+    assert failing(f, {"x": "n"}) == ["gradient for x", "ties"]
+    with pytest.raises(AssertionError, match=rf"the value is {value} at index \(0,\): it has to"):
+        verify.check_gradients(f, np.ones(2))
+    of_a = lambda a, b: (a * b, lambda dy: (np.nan * a, dy * a))  # noqa: E731
+    assert "gradient for b" not in failing(of_a, {"a": "n", "b": "n"})
+
+
+def test_what_the_caller_draws_is_never_altered():
+    def chosen(x, rows, ids):
+        assert (np.sort(rows)[:, :-1] == 0).all() and (rows.max(axis=1) == 1).all()
+        assert ids.dtype == int
+        return x * rows + ids, lambda dy: dy * rows
+
+    def one_hot(rng, shape):
+        return np.eye(shape[1])[rng.integers(shape[1], size=shape[0])]
+
+    values = {"rows": one_hot, "ids": lambda rng, shape: rng.integers(9, size=shape)}
+    shapes = {"x": "n c", "rows": "n c", "ids": "n c"}
+    assert failing(chosen, shapes, values=values, differentiable=["x"], skip=["dtype"]) == []
+    assert "dtype" in failing(chosen, shapes, values=values, differentiable=["x"])
+
+
+class Dense:
+    """A layer that draws its weights, and updates them in `backward` with a rate of 1."""
+
+    def __init__(self):
+        self.params = {"w": np.random.randn(3, 2)}  # noqa: NPY002
+
+    def forward(self, x, training=False):
+        self.x = x
+        self.mask = np.random.rand(*x.shape) > 0.5 if training else 1  # noqa: NPY002
+        return (x * self.mask) @ self.params["w"]
+
+    def backward(self, dy):
+        dx = dy @ self.params["w"].T * self.mask
+        self.params["w"] = self.params["w"] - (self.x * self.mask).T @ dy
+        return dx
+
+
+def test_adapters_keep_the_random_numbers_and_use_an_object_twice():
+    def dense(x, w, make=Dense):
+        forward = lambda layer, x: layer.forward(x, training=True)  # noqa: E731
+        return verify.of_layer(make, x, weights={"params.w": w}, forward=forward)
+
+    shapes = {"x": "n c", "w": "c d"}
+    assert failing(dense, shapes, skip=["dtype"]) == []
+
+    class Stale(Dense):
+        def forward(self, x, training=False):
+            return super().forward(x, training) + getattr(self, "count", 0.0)
+
+        def backward(self, dy):
+            self.count = 1.0
+            return super().backward(dy)
+
+    stale = lambda x, w: dense(x, w, Stale)  # noqa: E731
+    outcome = try_property(verify.properties_of(stale, shapes)[0], stale)
+    assert "used a second time, the layer returns another value" in outcome.problem
+    backward = lambda dy, cache: (dy @ cache[1].T, cache[0].T @ dy)  # noqa: E731
+    cached = verify.of_cache(lambda x, w: (x @ w, (x, w)), backward)
+    assert failing(cached, shapes) == []
+
+
+def test_the_call_that_a_report_prints_returns_the_example():
+    @verify.operation_test(shapes={"x": "rows columns"}, sizes={"rows": (33,), "columns": (8,)})
+    def test_layer(x):
+        return 2 * x, lambda dy: 3 * dy
+
+    printed = try_property(test_layer.operation_test[0], test_layer).counterexample.splitlines()[-1]
+    made = eval(printed, {"example": verify.example, "test_layer": test_layer})
+    assert made.arguments["x"].shape == (33, 8)
+
+
+def test_the_line_of_an_error_is_that_of_the_layers_own_file(tmp_path):
+    space = {}
+    source = "def forward(x):\n    return x.wrong\n"
+    exec(compile(source, str(tmp_path / "layer.py"), "exec"), space)
+    f = lambda x: (space["forward"](x), None)  # noqa: E731
+    outcome = try_property(verify.properties_of(f, {"x": "n"})[0], f)
+    assert outcome.crashed and outcome.problem.endswith("(layer.py, line 2)")
+
+
+def test_a_fourier_transform_that_wraps_around_is_found():
+    source = inspect.getsource(conv1d_by_fft).removeprefix('@right("conv1d")\n')
+    assert "frames + 2 * taps" in source
+    space = {"np": np}
+    exec(source.replace("frames + 2 * taps", "1 << frames.bit_length()"), space)
+    assert not holds(CATALOGUE["conv1d"], space["conv1d_by_fft"])
+
+
+@pytest.mark.parametrize(
+    ("shapes", "options", "problem"),
+    [
+        ({"x": "batch classes"}, {"sizes": {"taps": (1, 3)}}, "shapes has no taps, only x"),
+        ({"x": "batch classes"}, {"skip": ["shape"]}, "list of properties has no shape, only grad"),
+        ({"x": "batch values"}, {}, "values cannot be the name of a size"),
+        ({"x": "batch 2/classes"}, {}, "x has the size '2/classes'; a size is a name"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(shapes, options, problem):
+    with pytest.raises(ValueError, match=f"tanh: {problem}|tanh: the {problem}"):
+        verify.properties_of(ops.tanh, shapes, **options)
