@@ -8,30 +8,14 @@ tuples; `differences` judges one direction.
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
 
 import numpy as np
 
+from numpy_cae.verify.checks import differences, mismatch
 from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts, require_finite
-from numpy_cae.verify.checks.differences import (
-    AGREES,
-    SINGLE,
-    SINGLE_TOLERANCE,
-    UNDECIDED,
-    WRONG,
-    Argument,
-    Verdict,
-    step_scale,
-)
+from numpy_cae.verify.checks.differences import AGREES, SINGLE, WRONG, Argument, Verdict
 from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, is_array, rebuilt
-from numpy_cae.verify.checks.mismatch import (
-    ALTERED,
-    DTYPE,
-    KINK,
-    REPEATED,
-    SLOPE,
-    Mismatch,
-)
+from numpy_cae.verify.checks.mismatch import Mismatch
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import WORTH_PRINTING, written, written_apart
 
@@ -43,14 +27,14 @@ EQUAL_ENTRIES = (1.7, 2.9)
 """EQUAL_ENTRIES: frequencies by which the step of an entry depends on its size."""
 KINKS_EXCUSED = 0.05
 """KINKS_EXCUSED: kinks are excused in at most this share of the entries."""
+TOGETHER = "all arguments together"
+"""TOGETHER: the name in `only` for the check that moves equal entries by equal amounts."""
 AGAIN = (
     "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
     "gradients: it is not linear, or keeps something between calls"
 )
 OTHERWISE = "called again, f returns another {}: randomness comes in as an argument"
-COARSE = "given float64, the value is computed in float32, too coarse to measure its slope"
 OVERWRITTEN = "the gradient that was returned first is overwritten by the second"
-SUM = "the gradients from all outputs are not the sum of those from each"
 
 
 def check_gradients(
@@ -122,195 +106,166 @@ def wrong_gradients(
     only: Sequence[str] | None = None,
     upstream: Callable | None = None,
     kinks_excused: float = KINKS_EXCUSED,
-    may_be_single: bool = False,
 ) -> list[Mismatch]:
     """What is wrong with each gradient.
 
     `upstream` makes the upstream gradient of an output, by default random numbers. Kinks are
-    excused in so large a share of the entries. If f `may_be_single`, it may compute in float32.
+    excused in so large a share of the entries.
     """
     if not any(is_array(*leaf) for leaf in all_leaves(inputs, names)):
         raise TypeError("no argument is an array of float64 or float32")
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
     problems: list[Mismatch] = []
-    if may_be_single:
-        tolerance = _tolerance(f, inputs, tolerance)
-    for argument in _arguments(f, inputs, names, upstream, tolerance, only):
-        name = argument.name.partition(" from output ")[0]
-        if only is None or {name, name.partition("[")[0]} & set(only):
+    for argument in _arguments(_Called(f, inputs, names, only), upstream, tolerance):
+        if argument.name.startswith(TOGETHER):
+            problems += [] if problems else _judge_together(argument)
+        else:
             problems += _judge(argument, list(_directions(argument, rng)), rng, kinks_excused)
     return problems
 
 
-def _tolerance(f: Callable, inputs: Sequence, tolerance: float) -> float:
-    """The tolerance, or more where f returns float32."""
-    outputs = parts(call(f, copies(inputs))[0])
-    is_single = any(np.asarray(output).dtype == np.float32 for output in outputs)
-    return max(tolerance, SINGLE_TOLERANCE) if is_single else tolerance
+class _Called:
+    """A function that is called with copies of the same arguments."""
 
+    def __init__(
+        self, f: Callable, inputs: Sequence, names: Sequence[str], only: Sequence[str] | None
+    ) -> None:
+        self.f = f
+        self.inputs = inputs
+        self.named = all_leaves(inputs, names)
+        self.names = names
+        self.only = only
 
-def wrong_slope_together(
-    f: Callable, inputs: Sequence[np.ndarray], names: Sequence[str], upstream: Callable
-) -> Mismatch | None:
-    """What is wrong with all gradients together, along a direction that keeps equal entries equal.
+    def chooses(self, name: str) -> bool:
+        """Whether this argument, or the argument that it is a part of, is to be checked."""
+        return self.only is None or bool({name, name.partition("[")[0]} & set(self.only))
 
-    Each entry moves in proportion to itself and to a number that depends on its size alone.
-    """
-    tolerance = _tolerance(f, inputs, 1e-6)
-    every = list(_arguments(f, inputs, names, upstream, tolerance))
-    ends = np.cumsum([argument.x.size for argument in every])[:-1]
-    shapes = [argument.x.shape for argument in every]
+    def outputs(self, leaves: Sequence) -> tuple[Sequence, Callable]:
+        """The outputs for some arrays in place of those of the arguments, and the pullback."""
+        value, pullback = call(self.f, rebuilt(self.inputs, iter(leaves)))
+        if isinstance(value, tuple | list):
+            return value, lambda dys: pullback(tuple(dys))
+        return [value], lambda dys: pullback(dys[0])
 
-    def of_row(row: np.ndarray) -> np.ndarray:
-        pieces = (part.reshape(of) for part, of in zip(np.split(row, ends), shapes, strict=True))
-        return np.ravel(f(*pieces)[0])
+    def output_at(self, leaves: list, places: Sequence[int], output: int) -> Callable:
+        """One output, flat, as a function of the arrays at some places, given in one row."""
+        ends = np.cumsum([leaves[place].size for place in places])[:-1]
 
-    joined = np.concatenate([argument.x.ravel() for argument in every])
-    gradients = np.concatenate([np.ravel(argument.gradient) for argument in every])
-    together = replace(every[0], name=" and ".join(names), f=of_row, x=joined, gradient=gradients)
-    if any(argument.is_computed_in_float32() for argument in every):
-        together = replace(together, epsilon=SINGLE, tolerance=SINGLE_TOLERANCE)
-    for frequency in EQUAL_ENTRIES:
-        direction = joined * (2 + np.sin(frequency * np.abs(joined))) / 8
-        verdict = together.judge(direction)
-        if verdict.kind == WRONG:
-            numbers = written_apart(verdict.analytic, verdict.numeric, 10)
-            text = (
-                "where equal entries move by equal amounts, the gradients do not give the slope\n"
-                f"    by the pullback                      {numbers[0]}\n"
-                f"    by central differences of the value  {numbers[1]}\n"
-                "    is a gradient given to each of several equal entries?"
-            )
-            return Mismatch(SLOPE, "the gradients together", text)
-    return None
+        def at(row: np.ndarray) -> np.ndarray:
+            given = copies(leaves)
+            for place, part in zip(places, np.split(np.ravel(row), ends), strict=True):
+                given[place] = part.reshape(leaves[place].shape)
+            with np.errstate(all="ignore"):
+                value = self.f(*rebuilt(self.inputs, iter(given)))[0]
+            return np.ravel(parts(value)[output])
 
+        return at
 
-def _arguments(
-    f: Callable,
-    inputs: Sequence,
-    names: Sequence[str],
-    upstream: Callable,
-    tolerance: float,
-    only: Sequence[str] | None = None,
-) -> Iterator[Argument]:
-    """Each array, with its gradient from each output and f as a function of it, in float64."""
-    dys, pulled = _gradients_of_two_calls(f, inputs, names, upstream, only)
-    named = all_leaves(inputs, names)
-    places = [i for i, gradient in enumerate(next(iter(pulled.values()))) if gradient is not None]
-    if any(getattr(leaf, "dtype", None) == np.float32 for _, leaf in named):
-        tolerance = max(tolerance, SINGLE_TOLERANCE)
-    wide = [np.array(x, np.float64) if i in places else x for i, (_, x) in enumerate(named)]
-    outputs = parts(call(f, rebuilt(inputs, iter(copies(wide))))[0])
-    is_coarse = any(np.asarray(y).dtype == np.float32 for y in outputs)
-    if is_coarse and tolerance < SINGLE_TOLERANCE:
-        raise Mismatch(DTYPE, "the value", COARSE)
-    epsilon = float(np.finfo(np.float32 if is_coarse else np.float64).eps)
-    for i in places:
-        for k, gradients in pulled.items():
-            name = named[i][0] + (f" from output {k}" if len(pulled) > 1 else "")
-            along = _function_of_one(f, inputs, wide, i, k)
-            both = np.ravel(dys[k]), np.ravel(outputs[k])
-            yield Argument(name, along, wide[i], *both, gradients[i], epsilon, tolerance)
-
-
-@dataclass(frozen=True)
-class _Call:
-    """One call of f, whose pullback is called with multiples of the upstream gradients."""
-
-    inputs: Sequence
-    names: Sequence[str]
-    only: Sequence[str] | None  # the arguments whose gradients have to be finite
-    dys: list  # an upstream gradient for each output, None for an output without floats
-    value: object
-    pullback: Callable
-
-    def gradients(self, factors: Sequence[float]) -> list:
+    def pulled(self, pullback: Callable, dys: Sequence) -> list:
         """The gradient for each array; raise a Mismatch if the upstream gradient is altered."""
-        scaled = [None if dy is None else a * dy for a, dy in zip(factors, self.dys, strict=True)]
-        given = copies(scaled)
-        has_several = isinstance(self.value, tuple | list)
-        pulled = self.pullback(tuple(given) if has_several else given[0])
-        for now, was in zip(given, scaled, strict=True):
+        given = copies(dys)
+        gradients = gradients_of_leaves(self.inputs, self.names, pullback(given))
+        for now, was in zip(given, dys, strict=True):
             _require_untouched("the upstream gradient", now, was)
-        gradients = gradients_of_leaves(self.inputs, self.names, pulled)
-        for (name, _), gradient in zip(all_leaves(self.inputs, self.names), gradients, strict=True):
-            if self.only is None or {name, name.partition("[")[0]} & set(self.only):
+        for (name, _), gradient in zip(self.named, gradients, strict=True):
+            if self.chooses(name) or self.chooses(TOGETHER):
                 require_finite(f"the gradient for {name}", gradient)
         return gradients
 
+    def pulled_twice(self, upstream: Callable) -> Iterator[tuple[int, object, list]]:
+        """For each output its upstream gradient, and the gradients where all others' are 0.
 
-def _gradients_of_two_calls(
-    f: Callable,
-    inputs: Sequence,
-    names: Sequence[str],
-    upstream: Callable,
-    only: Sequence[str] | None,
-) -> tuple[list, dict[int, list]]:
-    """Upstream gradients, and what the pullback returns for each of them, by output.
+        Raise unless no argument is altered, a second call returns the same, and the pullback is
+        proportional to the upstream gradient, one result independent of the next.
+        """
+        before = copies([leaf for _, leaf in self.named])
+        outputs, pullback = self.outputs([leaf for _, leaf in self.named])
+        outputs = copies(outputs)
+        for output in outputs:
+            require_finite("the value", output)
+        floats = [np.asarray(y).dtype if is_float(y) else None for y in outputs]
+        drawn = zip(outputs, floats, strict=True)
+        dys = [np.array(upstream(y), dtype)[()] if dtype else None for y, dtype in drawn]
+        gradients = self.pulled(pullback, dys)
+        kept = copies(gradients)
+        for (name, leaf), was in zip(self.named, before, strict=True):
+            _require_untouched(name, leaf, was)
+        again = self.pulled(pullback, _times([-4.0] * len(dys), dys))
+        size = max(float(np.max(np.abs(x), initial=0.0)) for x in before if is_float(x))
+        _require_same(AGAIN, [-4.0 * g for g in kept if g is not None], again, size)
+        _require_same(OVERWRITTEN, kept, gradients)
+        others, other_pullback = self.outputs(before)
+        _require_same(OTHERWISE.format("value"), outputs, others)
+        _require_same(OTHERWISE.format("gradient"), kept, self.pulled(other_pullback, dys))
+        for output in [number for number, dtype in enumerate(floats) if dtype]:
+            alone = _times(np.eye(len(dys))[output], dys)
+            of_one = copies(self.pulled(pullback, alone)) if len(dys) > 1 else kept
+            yield output, dys[output], of_one
 
-    Raise unless these are gradients, no argument is altered, a second call returns the same, and
-    the pullback is proportional to the upstream gradient, one result independent of the next.
+
+def _times(factors: Sequence[float], dys: Sequence) -> list:
+    return [None if dy is None else a * dy for a, dy in zip(factors, dys, strict=True)]
+
+
+def _arguments(called: _Called, upstream: Callable, tolerance: float) -> Iterator[Argument]:
+    """Each array, with its gradient from each output and f as a function of it, in float64.
+
+    The last argument, TOGETHER, holds all arrays in one row.
     """
-    named = all_leaves(inputs, names)
-    before = copies([x for _, x in named])
-    value, pullback = call(f, inputs)
-    outputs = copies(parts(value))
-    for output in outputs:
-        require_finite("the value", output)
-    dys = [np.array(upstream(y), np.asarray(y).dtype)[()] if is_float(y) else None for y in outputs]
-    first = _Call(inputs, names, only, dys, value, pullback)
-    ones = [1.0] * len(dys)
-    gradients = first.gradients(ones)
-    kept = copies(gradients)
-    for (name, leaf), was in zip(named, before, strict=True):
-        _require_untouched(name, leaf, was)
-    _require_linear(first, gradients, kept)
-    value, pullback = call(f, rebuilt(inputs, iter(copies(before))))
-    _require_same(OTHERWISE.format("value"), outputs, parts(value))
-    again = replace(first, pullback=pullback)
-    _require_same(OTHERWISE.format("gradient"), kept, again.gradients(ones))
-    return dys, _of_each_output(first, kept)
+    leaves = [leaf for _, leaf in called.named]
+    of_outputs = list(called.pulled_twice(upstream))
+    for output, dy, gradients in of_outputs:
+        places = [i for i, gradient in enumerate(gradients) if gradient is not None]
+        wide = [np.array(x, np.float64) if i in places else x for i, x in enumerate(leaves)]
+        y = np.asarray(called.outputs(copies(wide))[0][output])
+        epsilon = float(np.finfo(y.dtype).eps)
+        if any(getattr(array, "dtype", None) == np.float32 for array in (*leaves, y)):
+            tolerance = max(tolerance, differences.SINGLE_TOLERANCE)
+        suffix = f" from output {output}" if len(of_outputs) > 1 else ""
+        both = {"dy": np.ravel(dy), "here": np.ravel(y)}
+        every = {}
+        for i in places:
+            f = called.output_at(wide, [i], output)
+            name = called.named[i][0]
+            options = {"epsilon": epsilon, "tolerance": tolerance}
+            every[name] = Argument(
+                name + suffix, f, wide[i], gradient=gradients[i], **both, **options
+            )
+        yield from (argument for name, argument in every.items() if called.chooses(name))
+        if called.chooses(TOGETHER):
+            if any(argument.is_computed_in_float32() for argument in every.values()):
+                options = {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
+            f = called.output_at(wide, places, output)
+            x, gradient = (flat([arrays[i] for i in places]) for arrays in (wide, gradients))
+            yield Argument(TOGETHER + suffix, f, x, gradient=gradient, **both, **options)
 
 
-def _require_linear(first: _Call, gradients: list, kept: list) -> None:
-    """Raise unless -4 dy gives -4 times the gradients, and leaves the first ones as they were."""
-    again = first.gradients([-4.0] * len(first.dys))
-    arrays = [leaf for _, leaf in all_leaves(first.inputs, first.names) if is_float(leaf)]
-    size = max((float(np.max(np.abs(array), initial=0.0)) for array in arrays), default=0.0)
-    _require_same(AGAIN, [-4.0 * g for g in kept if g is not None], again, size)
-    _require_same(OVERWRITTEN, kept, gradients)
+def _judge_together(at: Argument) -> Iterator[Mismatch]:
+    """Move each entry in proportion to itself and to a number that depends on its size alone.
+
+    Along such a direction equal entries stay equal, so that a maximum of them has no kink.
+    """
+    for frequency in EQUAL_ENTRIES:
+        verdict = at.judge(at.x * (2 + np.sin(frequency * np.abs(at.x))) / 8)
+        if verdict.kind == WRONG:
+            first = "where equal entries move by equal amounts, the gradients do not give the slope"
+            last = "is a gradient given to each of several equal entries?"
+            yield Mismatch("slope", "the gradients together", _both_numbers(first, verdict, last))
+            return
 
 
-def _of_each_output(first: _Call, kept: list) -> dict[int, list]:
-    """The gradients from each output alone; raise unless their sum is that from all outputs."""
-    places = [k for k, dy in enumerate(first.dys) if dy is not None]
-    if len(places) == 1:
-        return {places[0]: kept}
-    alone = np.eye(len(first.dys))
-    of_each = {k: copies(first.gradients(alone[k])) for k in places}
-    terms_of_each = zip(*of_each.values(), strict=True)
-    sums = [sum(terms) for terms in terms_of_each if terms[0] is not None]
-    _require_same(SUM, kept, sums)
-    return of_each
-
-
-def _function_of_one(
-    f: Callable, inputs: Sequence, leaves: list, place: int, output: int
-) -> Callable:
-    """One output of f, flat, as a function of one array."""
-
-    def output_at(x: np.ndarray) -> np.ndarray:
-        with np.errstate(all="ignore"):
-            given = iter(copies([*leaves[:place], x, *leaves[place + 1 :]]))
-            return np.ravel(parts(f(*rebuilt(inputs, given))[0])[output])
-
-    return output_at
+def _both_numbers(first: str, verdict: Verdict, *others: str) -> str:
+    """What is wrong, the pullback's number and that of differences."""
+    numbers = written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
+    by_pullback = f"by the pullback                      {numbers[0]}"
+    by_differences = f"by central differences of the value  {numbers[1]}"
+    return "\n    ".join([first, by_pullback, by_differences, *others])
 
 
 def _require_untouched(name: str, array: object, before: object) -> None:
     if isinstance(array, np.ndarray) and not np.array_equal(array, before, equal_nan=True):
-        rule = "an operation never changes its arguments"
-        raise Mismatch(ALTERED, name, f"{name} was altered: {rule}")
+        text = f"{name} was altered: an operation never changes its arguments"
+        raise Mismatch(mismatch.ALTERED, name, text)
 
 
 def _require_same(problem: str, first: Sequence, second: Sequence, size: float = 0.0) -> None:
@@ -322,7 +277,7 @@ def _require_same(problem: str, first: Sequence, second: Sequence, size: float =
     other = flat(second)
     allowed = np.finfo(one.dtype).eps * (1000 * np.max(np.abs(one), initial=0.0) + 16 * size)
     if one.shape != other.shape or not np.allclose(one, other, 0, allowed, equal_nan=True):
-        raise Mismatch(REPEATED, problem, problem)
+        raise Mismatch("repeated", problem, problem)
 
 
 def _judge(
@@ -349,35 +304,30 @@ def _judge(
             f"entries, such as {index}: its two slopes differ by {abs(verdict.jump):.6g}\n"
             "    too many to be excused: choose inputs away from kinks"
         )
-        yield Mismatch(KINK, at.name, text)
+        yield Mismatch(differences.KINK, at.name, text)
     elif kinks_excused < 1 and 2 * len(undecided) > tried:
         text = f"the gradient for {at.name}, shape {at.x.shape}, is undecided in {len(undecided)}"
         why = "differences of the value scatter too much: choose other inputs"
-        yield Mismatch(UNDECIDED, at.name, f"{text} of {tried} {of_what}\n    {why}")
+        yield Mismatch(differences.UNDECIDED, at.name, f"{text} of {tried} {of_what}\n    {why}")
 
 
 def _wrong_slope(at: Argument, index: tuple[int, ...], verdict: Verdict, share: str) -> Mismatch:
     """What is wrong with one entry of a gradient, with both numbers."""
     what = f"the gradient for {at.name}"
-    numbers = written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
-    lines = [
-        f"{what}, shape {at.x.shape}, is wrong at index {index}",
-        f"by the pullback                      {numbers[0]}",
-        f"by central differences of the value  {numbers[1]}",
-        f"wrong in {share}",
-    ]
+    others = [f"wrong in {share}"]
     if verdict.rates:
         rates = ", ".join(f"{rate:.2f}" for rate in verdict.rates)
-        lines.append(f"Taylor's remainder falls with the powers {rates} of the step, not 2")
+        others.append(f"Taylor's remainder falls with the powers {rates} of the step, not 2")
     if at.dy.size <= WORTH_PRINTING:
-        lines.append(f"upstream gradient, flat: {written(at.dy)}")
-    return Mismatch(SLOPE, what, "\n    ".join(lines))
+        others.append(f"upstream gradient, flat: {written(at.dy)}")
+    first = f"{what}, shape {at.x.shape}, is wrong at index {index}"
+    return Mismatch("slope", what, _both_numbers(first, verdict, *others))
 
 
 def _judged(at: Argument, directions: Iterable[np.ndarray]) -> Iterator[list]:
     """(direction, verdict) of each direction that is wrong, has a kink, or is undecided."""
     judged = [(direction, at.judge(direction)) for direction in directions]
-    for kind in (WRONG, KINK, UNDECIDED):
+    for kind in (WRONG, differences.KINK, differences.UNDECIDED):
         yield [one for one in judged if one[1].kind == kind]
 
 
@@ -389,7 +339,7 @@ def _directions(at: Argument, rng: np.random.Generator) -> Iterator[np.ndarray]:
     if at.x.size <= EVERY_ENTRY_UP_TO:
         yield from _entries(at.x, range(at.x.size))
         return
-    scale = step_scale(at.x)
+    scale = differences.step_scale(at.x)
     contribution = np.abs(at.gradient) * scale
     decades = np.round(np.log10(np.maximum(contribution, 1e-30)) / 3)
     for decade in np.unique(decades):
@@ -399,7 +349,7 @@ def _directions(at: Argument, rng: np.random.Generator) -> Iterator[np.ndarray]:
 
 def _entries(x: np.ndarray, entries: Iterable[int]) -> Iterator[np.ndarray]:
     """Directions of single entries, each as long as its entry is large."""
-    scale = step_scale(x)
+    scale = differences.step_scale(x)
     return (_restricted(scale, [entry]) for entry in entries)
 
 

@@ -4,35 +4,18 @@ docs/verify.md lists what is not tested because the contract leaves it open.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.call import call_of_array
-from numpy_cae.verify.checks.gradients import wrong_gradients, wrong_slope_together
+from numpy_cae.verify.checks.gradients import TOGETHER, wrong_gradients
 from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
+from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, THE_SAME, Case
 from numpy_cae.verify.operations.operation import Operation
-from numpy_cae.verify.operations.property import (
-    EXACT,
-    UPSTREAM,
-    Finding,
-    Findings,
-    Property,
-    agrees,
-    compared,
-    copied,
-    copies,
-    differentiated,
-    drawn_upstream,
-    property_of,
-    results,
-    right_results,
-    rounding,
-    unaltered,
-)
+from numpy_cae.verify.operations.property import UPSTREAM, Finding, Findings, Property, copies
 
 FLOAT32 = float(np.finfo(np.float32).eps)
 FLOAT32_ULPS = 64
@@ -41,7 +24,8 @@ OWN_ULPS = 1024
 """OWN_ULPS: the same for an operation of one's own, whose terms may cancel."""
 FURTHER_CALLS = 7
 """FURTHER_CALLS: in some cases a result is compared again after so many further calls."""
-GRADIENT_POINTS = VALUE_POINTS = 2
+POINTS = 2
+"""POINTS: of the value and of each gradient; every other property has one point."""
 VALUE = "the value is that of the definition, loop by loop"
 LAYOUT = {"layout": tuple(LAYOUTS)}
 ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")}
@@ -50,49 +34,44 @@ ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "re
 
 def shared_properties(operation: Operation) -> Iterator[Property]:
     """The properties that every operation has; some are stated for each argument."""
+    stated = partial(comparing.property_of, operation)
     if operation.reference or operation.definition:
-        options = {"points": VALUE_POINTS, "is_form": False}
-        yield property_of(operation, "value", VALUE, _value, {}, **options)
+        yield stated("value", VALUE, _value, {}, points=POINTS, is_form=False)
     for name in operation.differentiated:
-        what = f"the gradient for {name}"
         right = "the definition" if operation.reference else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
+        options = {"points": POINTS, "is_gradient": True, "subject": f"the gradient for {name}"}
         findings = partial(_gradient, name)
-        options = {"points": GRADIENT_POINTS, "is_gradient": True, "subject": what}
         classes = UPSTREAM | operation.without_ties
-        yield property_of(
-            operation, f"gradient for {name}", statement, findings, classes, **options
-        )
+        yield stated(f"gradient for {name}", statement, findings, classes, **options)
     if operation.seeded_by and not operation.reference:
-        yield property_of(operation, "ties", TIES, _ties, UPSTREAM | TIED)
+        yield stated("ties", TIES, partial(_gradient, TOGETHER), UPSTREAM | TIED)
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
         findings = partial(_adjoint, name)
-        classes = UPSTREAM | ALIKE_IN_SIZE
-        yield property_of(operation, f"adjoint in {name}", statement, findings, classes)
+        yield stated(f"adjoint in {name}", statement, findings, UPSTREAM | ALIKE_IN_SIZE)
     for name, statement, findings, classes, options in SHARED:
-        yield property_of(operation, name, statement, findings, classes, **options)
+        yield stated(name, statement, findings, classes, **options)
     if operation.reference:
         more = operation.longer
         longer = {size: (*given, *more.get(size, ())) for size, given in operation.sizes.items()}
         longer["upstream"] = (ORDINARY, "random", "integers", "sparse")
-        every = {"combined": ("values", "of"), "together": TOGETHER}
-        yield property_of(operation, LARGEST, SPECIAL, compared, longer, **every)
+        every = {"combined": ("values", "of"), "together": AT_FULL_SIZE}
+        yield stated(LARGEST, SPECIAL, comparing.compared, longer, **every)
 
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
+    """Compare the value, then that of a call with all but one argument, or only one, replaced."""
     arguments = operation.arguments(case)
     value, _ = call_of_array(implementation, copies(arguments))
-    right = operation.value(*copies(arguments))
-    of_first = _again("the value", value, right)
-    yield of_first._replace(tolerance=EXACT, floor=operation.floor)
+    of_first = _again("the value", value, operation.value(*copies(arguments)))
+    yield of_first._replace(tolerance=comparing.EXACT, floor=operation.floor)
     others = operation.arguments(Case(case.sizes, case.seed + 1))
     one = list(arguments)[case.seed // 2 % len(arguments)]
-    kept, new = (arguments, others) if case.seed % 2 else (others, arguments)
-    others = {**kept, one: new[one]}  # all but one are the same, or only one
+    keeps_one = case.seed % 2 == 0
+    others = {**others, one: arguments[one]} if keeps_one else {**arguments, one: others[one]}
     value, _ = implementation(*copies(others))
-    which = "another" if case.seed % 2 else "the same"
-    what = f"of {which} {one} after a first call, the value"
+    what = f"of {'the same' if keeps_one else 'another'} {one} after a first call, the value"
     yield Finding(what, value, operation.value(*copies(others)))
 
 
@@ -106,50 +85,24 @@ def _gradient(
     what = f"the gradient for {argument}"
     right = {}
     if operation.reference:
-        dy, right = right_results(operation, case, arguments)
-    if right and agrees(value, right["the value"]):
-        gradient = differentiated(operation, pullback(copied(dy)))[argument]
+        dy, right = comparing.right_results(operation, case, arguments)
+    if right and comparing.agrees(value, right["the value"]):
+        gradient = comparing.differentiated(operation, pullback(comparing.copied(dy)))[argument]
         both = (operation.alike(arguments, one) for one in (gradient, right[what]))
-        yield Finding(what, *both, rounding(case, arguments), operation.floor_of(dy))
+        yield Finding(what, *both, comparing.rounding(case, arguments), operation.floor_of(dy))
     elif not operation.reference or case.get("values") == case.get("state") == ORDINARY:
-        f = _of_differentiated(operation, implementation, arguments)
+
+        def f(*inputs):
+            named = arguments | dict(zip(names, inputs, strict=True))
+            value, pullback = call_of_array(implementation, copies(named))
+            return value, lambda dy: pullback(comparing.copied(dy))
+
         inputs = [arguments[name] for name in names]
-        others = {"upstream": partial(drawn_upstream, case), "kinks_excused": 1.0}
-        others["may_be_single"] = bool(operation.seeded_by)
-        problems = wrong_gradients(f, inputs, names, case.rng(), only=(argument,), **others)
+        options = {"upstream": partial(comparing.drawn_upstream, case), "kinks_excused": 1.0}
+        problems = wrong_gradients(f, inputs, names, case.rng(), only=(argument,), **options)
         implementation(*copies(arguments))  # the call that a report shows
         if problems:
             raise problems[0]
-
-
-def _ties(operation: Operation, implementation: Callable, case: Case) -> Findings:
-    """Compare the gradients together with the slope of moving equal entries by equal amounts.
-
-    Along such a direction a maximum of equal entries has no kink, so that a gradient that is given
-    to each of them is found.
-    """
-    arguments = operation.arguments(case)
-    f = _of_differentiated(operation, implementation, arguments)
-    inputs = [arguments[name] for name in operation.differentiated]
-    upstream = partial(drawn_upstream, case)
-    problem = wrong_slope_together(f, inputs, operation.differentiated, upstream)
-    implementation(*copies(arguments))  # the call that a report shows
-    if problem:
-        raise problem
-    yield from ()
-
-
-def _of_differentiated(
-    operation: Operation, implementation: Callable, arguments: Mapping[str, object]
-) -> Callable:
-    """An implementation as a function of the arguments that get gradients."""
-
-    def f(*inputs):
-        named = dict(zip(operation.differentiated, inputs, strict=True))
-        value, pullback = call_of_array(implementation, copies({**arguments, **named}))
-        return value, lambda dy: pullback(copied(dy))
-
-    return f
 
 
 def _adjoint(argument: str, operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -158,25 +111,46 @@ def _adjoint(argument: str, operation: Operation, implementation: Callable, case
         arguments["b"] = np.zeros_like(arguments["b"])
     x = arguments[argument]
     at_zero = np.copy(implementation(*copies({**arguments, argument: np.zeros_like(x)}))[0])
-    dy = drawn_upstream(case, at_zero)
-    value, *gradients = results(operation, implementation, copies(arguments), dy).values()
-    pulled = gradients[operation.differentiated.index(argument)]
-    check_adjoint(lambda x: (value - at_zero, lambda dy: pulled), x, dy)
+    dy = comparing.drawn_upstream(case, at_zero)
+    every = comparing.results(operation, implementation, copies(arguments), dy)
+    pulled = every[f"the gradient for {argument}"]
+    check_adjoint(lambda x: (every["the value"] - at_zero, lambda dy: pulled), x, dy)
     yield Finding("A' dy", pulled, pulled)
+
+
+class _Called:
+    """A call of an operation: its value, its pullback and an upstream gradient."""
+
+    def __init__(
+        self, operation: Operation, implementation: Callable, case: Case, given: list
+    ) -> None:
+        self.operation = operation
+        self.value, self.pullback = implementation(*given)
+        self.dy = comparing.drawn_upstream(case, self.value)
+
+    def gradients(self, dy: np.ndarray | float | None = None) -> dict[str, np.ndarray]:
+        """What the pullback returns, by default for the call's own upstream gradient."""
+        upstream = comparing.copied(self.dy if dy is None else dy)
+        return comparing.differentiated(self.operation, self.pullback(upstream))
+
+    def kept(self, dy: np.ndarray | float | None = None) -> dict[str, np.ndarray]:
+        """Copies of the gradients."""
+        return {name: np.copy(gradient) for name, gradient in self.gradients(dy).items()}
 
 
 def _linearity(operation: Operation, implementation: Callable, case: Case) -> Findings:
     """Give three upstream gradients in the same array, after the value was deleted."""
-    value, pullback = implementation(*copies(operation.arguments(case)))
-    one = drawn_upstream(case, value)
-    del value
+    called = _Called(operation, implementation, case, copies(operation.arguments(case)))
+    del called.value
+    one = called.dy
     other = np.flip(one).copy() if np.ndim(one) else 1 / 3
     dy = np.copy(one)
     pulled = []
     for upstream in (one, other, 2 * one - 3 * other):
         dy[...] = upstream
-        gradients = differentiated(operation, pullback(dy if np.ndim(one) else copied(upstream)))
-        pulled.append({name: np.copy(gradient) for name, gradient in gradients.items()})
+        gradients = called.pullback(dy if np.ndim(one) else upstream)
+        named = comparing.differentiated(operation, gradients)
+        pulled.append({name: np.copy(gradient) for name, gradient in named.items()})
     of_one, of_other, of_both = pulled
     for name, gradient in of_both.items():
         expected = 2 * of_one[name] - 3 * of_other[name]
@@ -185,34 +159,22 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
 
 def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
     """Compare float32 with float64; arguments changed by rounding give the error allowed."""
-    if case.get("state") == "huge":  # rounding may turn a gate, and then all frames that follow
-        return
-    if case.get("layout") == "broadcast" and not operation.reference:
-        return  # equal entries cancel in general functions, and leave nothing but rounding
-    rng = np.random.default_rng(0)
+    is_broadcast = case.get("layout") == "broadcast"  # equal entries cancel in general functions
+    if case.get("state") == "huge" or (is_broadcast and not operation.reference):
+        return  # rounding may turn a gate, and then all frames that follow
     layout = _layout(operation, case)
     arguments = operation.arguments(case)
     arguments = dict(zip(arguments, copies(arguments, layout), strict=True))
-    dy = drawn_upstream(case, implementation(*copies(arguments))[0])
-    dy = layout(dy) if np.ndim(dy) else dy
+    dy = comparing.drawn_upstream(case, implementation(*copies(arguments))[0])
+    dy = _in_float32(layout(dy)) if np.ndim(dy) else dy
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
-    dy = np.float32(dy) if np.ndim(dy) else dy
-
-    def in_float64(rounding: float) -> dict:
-        def widened(array: np.ndarray) -> np.ndarray:
-            if array.dtype != np.float32:
-                return array
-            if any(array is given[name] for name in operation.drawn_by_caller):
-                return array.astype(float)
-            return array * (1.0 + rounding * rng.choice([-0.5, 0.5], array.shape))
-
-        wide_dy = widened(dy) if np.ndim(dy) else dy
-        return results(operation, implementation, copies(given, widened), wide_dy)
-
-    exact, *moved = (in_float64(rounding) for rounding in (0.0, FLOAT32, FLOAT32))
+    rng = np.random.default_rng(0)
+    in_float64 = partial(_in_float64, operation, implementation, given, dy, rng)
+    exact = in_float64(0.0)
+    moved = [in_float64(FLOAT32), in_float64(FLOAT32)]
     floor = _largest(dy, *given.values()) if operation.saturates else 1.0
-    laid_out = layout(dy) if np.ndim(dy) else dy
-    of_float32 = results(operation, implementation, copies(given, layout), laid_out)
+    dy = layout(dy) if np.ndim(dy) else dy
+    of_float32 = comparing.results(operation, implementation, copies(given, layout), dy)
     for what, result in of_float32.items():
         _require_dtype(what, exact[what], np.float64)
         _require_dtype(what, result, np.float32)
@@ -223,6 +185,28 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
             allowed = ulps * (FLOAT32 * max(floor, _largest(expected)) + by)
             off = operation.alike(arguments, np.float64(result)) - expected
             yield Finding(f"of float32, the error of {what}", off, np.zeros_like(off), allowed)
+
+
+def _in_float64(
+    operation: Operation,
+    implementation: Callable,
+    given: Mapping[str, object],
+    dy: np.ndarray | float,
+    rng: np.random.Generator,
+    rounding: float,
+) -> dict:
+    """The results for arguments of float32 as float64, each changed by half of a rounding."""
+    as_drawn = [given[name] for name in operation.drawn_by_caller]
+
+    def widened(array: np.ndarray) -> np.ndarray:
+        if array.dtype != np.float32:
+            return array
+        if any(array is each for each in as_drawn):
+            return array.astype(float)
+        return array * (1.0 + rounding * rng.choice([-0.5, 0.5], array.shape))
+
+    dy = widened(dy) if np.ndim(dy) else dy
+    return comparing.results(operation, implementation, copies(given, widened), dy)
 
 
 def _layout(operation: Operation, case: Case) -> Callable[[np.ndarray], np.ndarray]:
@@ -258,40 +242,17 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
 
     def arguments_after(call: str) -> Findings:
         for name, after, was in zip(arguments, given, before, strict=True):
-            yield unaltered(f"{name}, which the {call} must not alter,", after, was)
+            yield comparing.unaltered(f"{name}, which the {call} must not alter,", after, was)
 
-    value, pullback = implementation(*given)
-    dy = drawn_upstream(case, value)
+    called = _Called(operation, implementation, case, given)
     yield from arguments_after("call")
     for layout_of_dy in (layout, np.ndarray.copy):
-        dy_given = layout_of_dy(dy) if np.ndim(dy) else copied(dy)
-        dy_before = np.copy(dy_given)
-        pullback(dy_given)
+        dy = layout_of_dy(called.dy) if np.ndim(called.dy) else called.dy
+        before_call = np.copy(dy)
+        called.pullback(dy)
         what = "the upstream gradient, which the pullback must not alter,"
-        yield unaltered(what, dy_given, dy_before)
+        yield comparing.unaltered(what, dy, before_call)
         yield from arguments_after("pullback")
-
-
-@dataclass(frozen=True)
-class _Called:
-    """A call of an operation: its value, its pullback and an upstream gradient."""
-
-    operation: Operation
-    value: np.ndarray | float
-    pullback: Callable
-    dy: np.ndarray | float
-
-    @classmethod
-    def of(
-        cls, operation: Operation, implementation: Callable, case: Case, given: list
-    ) -> "_Called":
-        value, pullback = implementation(*given)
-        return cls(operation, value, pullback, drawn_upstream(case, value))
-
-    def gradients(self, dy: np.ndarray | float | None = None) -> dict[str, np.ndarray]:
-        """What the pullback returns, by default for the call's own upstream gradient."""
-        upstream = self.dy if dy is None else dy
-        return differentiated(self.operation, self.pullback(copied(upstream)))
 
 
 def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
@@ -299,37 +260,36 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
 
     In some cases the results of the first call are kept over eight calls.
     """
-    call = partial(_Called.of, operation, implementation)
+    call = partial(_Called, operation, implementation)
     another = Case(case.sizes, case.seed + 1)
     others = operation.arguments(another)
     given = copies(operation.arguments(case), _layout(operation, case))
     alone = call(case, given)
     value = np.copy(alone.value)
-    right = _copied_by_name(alone.gradients())
+    right = alone.kept()
     first = call(case, given)
     second = call(another, copies(others))
     second_value = np.copy(second.value)
     gradients = first.gradients()
     for _ in range(0 if case.seed % 4 else FURTHER_CALLS):
         call(another, copies(others)).gradients(second.dy)
-    second_right = _copied_by_name(second.gradients())
+    second_right = second.kept()
     first.gradients(second.dy)
     yield _again("after further calls, the value that was returned first", first.value, value)
     yield from _kept(gradients, right)
-    yield from _called_again(first, right)
-    yield from _called_again(second, second_right)
+    for called, expected in ((first, right), (second, second_right)):
+        for name, gradient in called.gradients().items():
+            yield _again(f"called again, the gradient for {name}", gradient, expected[name])
     if case.get("layout") not in ("read-only", "broadcast"):
-        _change_in_place(implementation, given, others)
-        again = results(operation, implementation, given, copied(second.dy))
+        implementation(*given)
+        for number, new in enumerate(others.values()):
+            given[number] = _filled(given[number], new)
+        again = comparing.results(operation, implementation, given, comparing.copied(second.dy))
         expected = [second_value, *second_right.values()]
         for (what, result), other in zip(again.items(), expected, strict=True):
             yield _again(f"of the same arrays with other numbers, {what}", result, other)
         if not operation.drawn_by_caller:
             yield _with_one_other_entry(operation, implementation, case, given)
-
-
-def _copied_by_name(gradients: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    return {name: np.copy(gradient) for name, gradient in gradients.items()}
 
 
 def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> Findings:
@@ -341,19 +301,12 @@ def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) 
             gradient[...] = np.nan
 
 
-def _called_again(call: _Called, right: Mapping[str, np.ndarray]) -> Findings:
-    for name, gradient in call.gradients().items():
-        yield _again(f"called again, the gradient for {name}", gradient, right[name])
-
-
-def _change_in_place(implementation: Callable, given: list, others: Mapping[str, object]) -> None:
-    """Call with arguments, then give the same arrays other numbers."""
-    implementation(*given)
-    for number, new in enumerate(others.values()):
-        if isinstance(new, np.ndarray):
-            given[number][...] = new
-        else:
-            given[number] = new
+def _filled(given: object, new: object) -> object:
+    """The same array with other numbers, or another number."""
+    if isinstance(new, np.ndarray):
+        given[...] = new
+        return given
+    return new
 
 
 def _with_one_other_entry(
@@ -369,7 +322,7 @@ def _with_one_other_entry(
     value = np.copy(implementation(*given)[0])
     known = operation.reference or operation.definition
     right = operation.value if known else lambda *arrays: implementation(*arrays)[0]
-    expected = right(*(np.copy(a) if isinstance(a, np.ndarray) else a for a in given))
+    expected = right(*copies(dict(enumerate(given))))
     return _again(f"of the same arrays with one other entry of {name}, the value", value, expected)
 
 
@@ -381,12 +334,11 @@ def _strides(operation: Operation, implementation: Callable, case: Case) -> Find
         if case.get("of") not in (ORDINARY, name):
             given[number] = arguments[name]
     arguments = dict(zip(arguments, given, strict=True))  # broadcasting makes entries equal
-    dy = drawn_upstream(case, implementation(*copies(arguments))[0])
-    laid_out = layout(dy) if np.ndim(dy) else dy
-    plain = laid_out.copy() if np.ndim(dy) else dy
-    expected = results(operation, implementation, copies(arguments), plain)
-    expected = {what: np.copy(result) for what, result in expected.items()}
-    for what, result in results(operation, implementation, given, laid_out).items():
+    plain = _Called(operation, implementation, case, copies(arguments))
+    laid_out = layout(plain.dy) if np.ndim(plain.dy) else plain.dy
+    expected = {"the value": np.copy(plain.value)}
+    expected |= {f"the gradient for {n}": g for n, g in plain.kept(laid_out).items()}
+    for what, result in comparing.results(operation, implementation, given, laid_out).items():
         both = (operation.alike(arguments, one) for one in (result, expected[what]))
         yield _again(f"of arrays {case.get('layout')}, {what}", *both)
 
@@ -403,7 +355,7 @@ def _again(what: str, result, expected) -> Finding:
 LARGEST = "special inputs"
 SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the definition gives"
 KEPT = {"state": ORDINARY}
-TOGETHER = ({}, KEPT | {"upstream": "sparse"}, KEPT | {"values": "huge", "of": "b"})
+AT_FULL_SIZE = ({}, KEPT | {"upstream": "sparse"}, KEPT | {"values": "huge", "of": "b"})
 """Classes tried with the project's sizes. Where a state is kept: one gradient far back, and gates
 that pass the state over all frames."""
 VIEWS = {"layout": tuple(LAYOUTS)[1:], "values": (ORDINARY, "random", "ties")}
