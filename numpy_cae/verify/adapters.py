@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 
@@ -97,18 +98,17 @@ def of_layer(
     ...     return verify.of_layer(Dense, x, weights={"w": w}, gradients=["dw"])
     >>> verify.check_gradients(dense, np.ones((2, 3)), np.ones((3, 4)))
     """
-    weights = {place: np.copy(array) for place, array in (weights or {}).items()}
+    placed = {place: np.copy(array) for place, array in (weights or {}).items()}
     kept = [np.copy(x) for x in inputs]
     with _fixed_random_numbers():
         layer = make()
 
     def value_of(*arrays: np.ndarray) -> object:
-        for place, array in weights.items():
+        for place, array in placed.items():
             _put(layer, place, array.copy())
         with _fixed_random_numbers():
-            if callable(forward):
-                return forward(layer, *arrays)
-            return getattr(layer, forward)(*arrays)
+            method = partial(forward, layer) if callable(forward) else getattr(layer, forward)
+            return method(*arrays)
 
     value = np.copy(value_of(*inputs))
 
@@ -123,10 +123,9 @@ def of_layer(
         pulled = getattr(layer, backward)(dy)
         pulled = pulled if isinstance(pulled, tuple | list) else (pulled,)
         of_inputs = [g for x, g in zip(kept, pulled, strict=False) if x.dtype.kind == "f"]
+        of_weights = [np.copy(_at(layer, place)) for place in gradients or ()]
         if gradients is None:
-            of_weights = [array - _at(layer, place) for place, array in weights.items()]
-        else:
-            of_weights = [np.copy(_at(layer, place)) for place in gradients]
+            of_weights = [array - _at(layer, place) for place, array in placed.items()]
         made = (*of_inputs, *of_weights)
         return made if len(made) > 1 else made[0]
 

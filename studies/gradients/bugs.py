@@ -7,6 +7,7 @@ lines with a plus those of the fixed one.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,9 +17,9 @@ import numpy as np
 
 FOLDER = Path(__file__).with_name("historical")
 LAYERS = Path(__file__).with_name("layers")
-"""LAYERS: those of small projects in NumPy, found by the properties."""
-SIZES = (6, 4, 5)
-"""The sizes of the first, second and third axis of the arrays that checks of one point get."""
+"""LAYERS: layers of small projects in NumPy. A right one has no mistake, nor marked lines."""
+SIZES = (6, 4, 5, 3, 2)
+"""The sizes by which the names in the shapes are replaced for checks of one point, in their order."""
 
 
 def in_memory_order(array: np.ndarray) -> np.ndarray:
@@ -41,6 +42,13 @@ class Bug:
     name: str
     fields: dict[str, str]  # project, operation, thread, fix, mistake, shapes, values
     code: str
+
+    is_layer: bool = False  # of a small project
+
+    @property
+    def is_right(self) -> bool:
+        """Whether it is a layer without a mistake."""
+        return "mistake" not in self.fields
 
     @property
     def shapes(self) -> dict[str, str]:
@@ -68,10 +76,15 @@ class Bug:
     def inputs(self) -> tuple[np.ndarray, ...]:
         """Standard normal numbers: what the documentation of each library gives to its check."""
         rng = np.random.default_rng(0)
-        names = dict.fromkeys(" ".join(self.shapes.values()).split())
+        names = dict.fromkeys(re.findall(r"[a-z]\w*", " ".join(self.shapes.values())))
         sizes = dict(zip(names, SIZES, strict=False))
-        shapes = (tuple(sizes[size] for size in shape.split()) for shape in self.shapes.values())
+        shapes = ([_size(text, sizes) for text in shape.split()] for shape in self.shapes.values())
         return tuple(rng.standard_normal(shape) for shape in shapes)
+
+
+def _size(text: str, sizes: dict[str, int]) -> int:
+    """A size such as 2*frames."""
+    return math.prod(sizes.get(factor) or int(factor) for factor in text.split("*"))
 
 
 def bugs(folder: Path = FOLDER) -> list[Bug]:
@@ -82,4 +95,4 @@ def bugs(folder: Path = FOLDER) -> list[Bug]:
 def _read(path: Path) -> Bug:
     header, code = path.read_text(encoding="utf-8").split("\n\n", 1)
     fields = dict(line.split(": ", 1) for line in header.splitlines())
-    return Bug(path.stem, fields, code)
+    return Bug(path.stem, fields, code, is_layer=path.parent == LAYERS)

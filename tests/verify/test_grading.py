@@ -5,7 +5,6 @@ import json
 from acclaim_files import FILES
 
 from numpy_cae.cli import main
-from numpy_cae.verify.grading.report import _why
 
 RIGHT = "import numpy as np\ndef tanh(x):\n    y = np.tanh(x)\n"
 RIGHT += "    return y, lambda dy: dy * (1 - y * y)\n"
@@ -99,14 +98,3 @@ def test_a_right_function_that_is_too_slow_for_the_largest_size_keeps_what_it_ea
     held = {outcome.stated.name for outcome in report.outcomes if outcome.held}
     assert {"value", "gradient for x", "purity"} <= held and not report.held
     assert report.points >= 8 and "smaller cases were right" in str(report)
-
-
-CACHED = (FILES / "cached_results.txt").read_text()
-
-
-def test_an_example_that_is_right_alone_is_said_to_be(graded):
-    (report,) = graded(CACHED).reports
-    problems = {o.stated.name: o.problem for o in report.outcomes if not o.held}
-    assert "alone in a fresh process this example is right" in problems["special inputs"]
-    assert "fresh process" not in problems["dtype"]
-    assert max(len(list(_why(outcome))) for outcome in report.outcomes) <= 30

@@ -67,13 +67,6 @@ def test_the_right_operation_has_no_likely_mistake():
     assert not outcome.held and outcome.mistake == ""
 
 
-@pytest.mark.parametrize("bug", [b for b in SIZES_AND_HISTORY if b.operation == "gru"])
-def test_truncated_backpropagation_is_named_and_nothing_else_is_called_so(bug):
-    outcome = try_property(property_of("gru", "special inputs"), bug.function(), shrink=False)
-    is_truncated = bug.name != "gru_stops_early"
-    assert outcome.mistake.startswith("Truncated backpropagation") == is_truncated
-
-
 def test_a_patch_that_does_not_fit_the_source_fails_loudly():
     old, new = ("return dy * 17",), ("return dy",)
     bug = Patch("stale", "tanh", "value", "Made for another source.", ((old, new),))

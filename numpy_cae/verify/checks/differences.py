@@ -225,30 +225,31 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Ve
     neighbours = zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
     errors = [_error(*both, first) for both in neighbours]
     best = slopes[int(np.argmin(errors))]
-    error = min(errors)
     gap = abs(best.central - analytic)
     tolerated = tolerance * max(abs(best.central), abs(analytic))
-    allowed = max(tolerated, tolerance * best.size) + error
-    smallest = slopes[0]
-    rates = _rates(slopes)
-    last = rates[-2:] if len(rates) > 1 else ()
-    falls_with_step = bool(last) and max(abs(rate - 1) for rate in last) < RATE_MARGIN
-    falls_with_square = bool(last) and min(last) > 2 - RATE_MARGIN
-    first_hidden = slopes[-1 - len(rates)]
-    clear = next((slope for slope in slopes if slope.noise <= slope.jump / 4), smallest)
+    allowed = max(tolerated, tolerance * best.size) + min(errors)
+    clear = next((slope for slope in slopes if slope.noise <= slope.jump / 4), slopes[0])
     is_corner = clear.jump > max(slopes[-1].jump / 2, clear.noise, allowed)
+    rates = _rates(slopes)
+    power = _power(rates)
+    hidden = slopes[-1 - len(rates)]  # the largest step whose remainder is rounding
+    kind = AGREES if gap <= allowed else WRONG
     if is_corner and abs(clear.central - analytic) <= clear.jump / 2 + allowed:
         kind = AGREES if gap <= allowed else KINK
-    elif falls_with_step and gap > tolerated + error:
+    elif power == 1 and gap > tolerated + min(errors):
         kind = WRONG
-    elif (
-        falls_with_square and RATE_MARGIN * first_hidden.remainder <= tolerated * first_hidden.step
-    ):
+    elif power == 2 and RATE_MARGIN * hidden.remainder <= tolerated * hidden.step:
         kind = AGREES
-    else:
-        kind = AGREES if gap <= allowed else WRONG
-    proof = rates if falls_with_step else ()
+    proof = rates if power == 1 else ()
     return Verdict(kind, best.central, analytic, clear.jump, proof), best
+
+
+def _power(rates: tuple[float, ...]) -> int:
+    """The power of the step that the remainder falls with: 1 or 2, or 0 where it is neither."""
+    last = rates[-2:]
+    if len(last) == 2 and max(abs(rate - 1) for rate in last) < RATE_MARGIN:
+        return 1
+    return 2 if len(last) == 2 and min(last) > 2 - RATE_MARGIN else 0
 
 
 def _error(one: Slope, other: Slope, first: float) -> float:

@@ -8,6 +8,7 @@ tuples; `differences` judges one direction.
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -124,17 +125,19 @@ def wrong_gradients(
     return problems
 
 
+@dataclass(frozen=True)
 class _Called:
-    """A function that is called with copies of the same arguments."""
+    """A function, and the arguments that it is called with."""
 
-    def __init__(
-        self, f: Callable, inputs: Sequence, names: Sequence[str], only: Sequence[str] | None
-    ) -> None:
-        self.f = f
-        self.inputs = inputs
-        self.named = all_leaves(inputs, names)
-        self.names = names
-        self.only = only
+    f: Callable
+    inputs: Sequence
+    names: Sequence[str]
+    only: Sequence[str] | None
+
+    @property
+    def named(self) -> list[tuple[str, object]]:
+        """The parts of the arguments by name."""
+        return all_leaves(self.inputs, self.names)
 
     def chooses(self, name: str) -> bool:
         """Whether this argument, or the argument that it is a part of, is to be checked."""
@@ -179,13 +182,11 @@ class _Called:
         proportional to the upstream gradient, one result independent of the next.
         """
         before = copies([leaf for _, leaf in self.named])
-        outputs, pullback = self.outputs([leaf for _, leaf in self.named])
-        outputs = copies(outputs)
+        value, pullback = self.outputs([leaf for _, leaf in self.named])
+        outputs = copies(value)
         for output in outputs:
             require_finite("the value", output)
-        floats = [np.asarray(y).dtype if is_float(y) else None for y in outputs]
-        drawn = zip(outputs, floats, strict=True)
-        dys = [np.array(upstream(y), dtype)[()] if dtype else None for y, dtype in drawn]
+        dys = [_upstream_of(output, upstream) for output in outputs]
         gradients = self.pulled(pullback, dys)
         kept = copies(gradients)
         for (name, leaf), was in zip(self.named, before, strict=True):
@@ -194,13 +195,24 @@ class _Called:
         size = max(float(np.max(np.abs(x), initial=0.0)) for x in before if is_float(x))
         _require_same(AGAIN, [-4.0 * g for g in kept if g is not None], again, size)
         _require_same(OVERWRITTEN, kept, gradients)
-        others, other_pullback = self.outputs(before)
-        _require_same(OTHERWISE.format("value"), outputs, others)
-        _require_same(OTHERWISE.format("gradient"), kept, self.pulled(other_pullback, dys))
-        for output in [number for number, dtype in enumerate(floats) if dtype]:
-            alone = _times(np.eye(len(dys))[output], dys)
-            of_one = copies(self.pulled(pullback, alone)) if len(dys) > 1 else kept
-            yield output, dys[output], of_one
+        self._require_repeated(before, outputs, dys, kept)
+        for number, dy in enumerate(dys):
+            alone = _times(np.eye(len(dys))[number], dys)
+            if dy is not None:
+                of_one = copies(self.pulled(pullback, alone)) if len(dys) > 1 else kept
+                yield number, dy, of_one
+
+    def _require_repeated(self, before: list, outputs: list, dys: list, kept: list) -> None:
+        """Raise a Mismatch unless another call returns the same, and its pullback, too."""
+        again, pullback = self.outputs(copies(before))
+        _require_same(OTHERWISE.format("value"), outputs, again)
+        _require_same(OTHERWISE.format("gradient"), kept, self.pulled(pullback, dys))
+
+
+def _upstream_of(output: object, upstream: Callable) -> object:
+    """An upstream gradient in the dtype of the output; None for an output without floats."""
+    dtype = np.asarray(output).dtype
+    return np.array(upstream(output), dtype)[()] if is_float(output) else None
 
 
 def _times(factors: Sequence[float], dys: Sequence) -> list:
@@ -208,36 +220,40 @@ def _times(factors: Sequence[float], dys: Sequence) -> list:
 
 
 def _arguments(called: _Called, upstream: Callable, tolerance: float) -> Iterator[Argument]:
-    """Each array, with its gradient from each output and f as a function of it, in float64.
-
-    The last argument, TOGETHER, holds all arrays in one row.
-    """
-    leaves = [leaf for _, leaf in called.named]
+    """Each array, with its gradient from each output and f as a function of it, in float64."""
     of_outputs = list(called.pulled_twice(upstream))
-    for output, dy, gradients in of_outputs:
-        places = [i for i, gradient in enumerate(gradients) if gradient is not None]
-        wide = [np.array(x, np.float64) if i in places else x for i, x in enumerate(leaves)]
-        y = np.asarray(called.outputs(copies(wide))[0][output])
-        epsilon = float(np.finfo(y.dtype).eps)
-        if any(getattr(array, "dtype", None) == np.float32 for array in (*leaves, y)):
-            tolerance = max(tolerance, differences.SINGLE_TOLERANCE)
-        suffix = f" from output {output}" if len(of_outputs) > 1 else ""
-        both = {"dy": np.ravel(dy), "here": np.ravel(y)}
-        every = {}
-        for i in places:
-            f = called.output_at(wide, [i], output)
-            name = called.named[i][0]
-            options = {"epsilon": epsilon, "tolerance": tolerance}
-            every[name] = Argument(
-                name + suffix, f, wide[i], gradient=gradients[i], **both, **options
-            )
-        yield from (argument for name, argument in every.items() if called.chooses(name))
-        if called.chooses(TOGETHER):
-            if any(argument.is_computed_in_float32() for argument in every.values()):
-                options = {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
-            f = called.output_at(wide, places, output)
-            x, gradient = (flat([arrays[i] for i in places]) for arrays in (wide, gradients))
-            yield Argument(TOGETHER + suffix, f, x, gradient=gradient, **both, **options)
+    for number, dy, gradients in of_outputs:
+        suffix = f" from output {number}" if len(of_outputs) > 1 else ""
+        for argument in _arguments_of(called, number, dy, gradients, tolerance):
+            yield replace(argument, name=argument.name + suffix)
+
+
+def _arguments_of(
+    called: _Called, number: int, dy: object, gradients: list, tolerance: float
+) -> Iterator[Argument]:
+    """The arguments for one output; the last one, TOGETHER, holds all arrays in one row."""
+    leaves = [leaf for _, leaf in called.named]
+    places = [i for i, gradient in enumerate(gradients) if gradient is not None]
+    wide = [np.array(x, np.float64) if i in places else x for i, x in enumerate(leaves)]
+    y = np.asarray(called.outputs(copies(wide))[0][number])
+    if any(getattr(array, "dtype", None) == np.float32 for array in (*leaves, y)):
+        tolerance = max(tolerance, differences.SINGLE_TOLERANCE)
+    options = {"dy": np.ravel(dy), "here": np.ravel(y), "tolerance": tolerance}
+    options["epsilon"] = float(np.finfo(y.dtype).eps)
+    in_single = False
+    for i in places:
+        name = called.named[i][0]
+        f = called.output_at(wide, [i], number)
+        argument = Argument(name, f, wide[i], gradient=gradients[i], **options)
+        in_single |= argument.is_computed_in_float32()
+        if called.chooses(name):
+            yield argument
+    if called.chooses(TOGETHER):
+        if in_single:
+            options |= {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
+        f = called.output_at(wide, places, number)
+        x, gradient = (flat([arrays[i] for i in places]) for arrays in (wide, gradients))
+        yield Argument(TOGETHER, f, x, gradient=gradient, **options)
 
 
 def _judge_together(at: Argument) -> Iterator[Mismatch]:

@@ -6,23 +6,18 @@ from numpy_cae.verify.grading.report import Report, readable
 from numpy_cae.verify.operations.catalogue import Exercise, in_other_conventions
 from numpy_cae.verify.operations.property import Outcome, Property
 
-TEXTS = ("problem", "counterexample", "mistake", "kind", "subject")
+TEXTS = ("problem", "counterexample", "mistake", "kind")
 
 
 def reply_of(followed: Exercise, outcomes: Sequence[Outcome]) -> dict:
     """The outcomes in plain dicts, lists and texts, and the warnings of the function."""
-    return {
-        "convention": followed.convention,
-        "outcomes": [
-            {
-                "held": outcome.held,
-                "case": outcome.case and [outcome.case.sizes, outcome.case.seed],
-                **{name: getattr(outcome, name) for name in TEXTS},
-            }
-            for outcome in outcomes
-        ],
-        "notes": list(dict.fromkeys(note for outcome in outcomes for note in outcome.notes)),
-    }
+    notes = dict.fromkeys(note for outcome in outcomes for note in outcome.notes)
+    made = [_as_dict(outcome) for outcome in outcomes]
+    return {"convention": followed.convention, "outcomes": made, "notes": list(notes)}
+
+
+def _as_dict(outcome: Outcome) -> dict:
+    return {name: getattr(outcome, name) for name in ("held", *TEXTS)}
 
 
 def report_of(exercise: Exercise, called: str, reply: dict) -> Report:

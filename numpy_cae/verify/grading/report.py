@@ -5,14 +5,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from numpy_cae.verify.checks.mismatch import ALTERED, SHAPE
+from numpy_cae.verify.checks.mismatch import ALTERED
+from numpy_cae.verify.operations import catalogue
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.catalogue import (
-    CONTRACT,
-    Exercise,
-    find_exercise,
-    in_other_conventions,
-)
+from numpy_cae.verify.operations.catalogue import Exercise
 from numpy_cae.verify.operations.property import Outcome, Property
 from numpy_cae.verify.operations.shared_properties import LARGEST
 from numpy_cae.verify.operations.trial import LONGEST_TEXT, failing_case, failure, try_property
@@ -80,28 +76,11 @@ class Report:
 
     def as_json(self) -> dict:
         """The report in plain dicts, lists and numbers."""
-        return {
-            "operation": self.operation,
-            "function": self.called,
-            "convention": self.exercise.convention,
-            "points": self.points,
-            "possible": self.possible,
-            "held": self.held,
-            "notes": self.notes,
-            "properties": [
-                {
-                    "name": outcome.stated.name,
-                    "statement": outcome.stated.statement,
-                    "held": outcome.held,
-                    "points": points,
-                    "possible": outcome.stated.points,
-                    "problem": outcome.problem,
-                    "counterexample": outcome.counterexample,
-                    "likely_mistake": outcome.mistake,
-                }
-                for outcome, points in zip(self.outcomes, self.earned(), strict=True)
-            ],
-        }
+        points = zip(self.outcomes, self.earned(), strict=True)
+        of_function = {"operation": self.operation, "function": self.called}
+        of_function |= {"convention": self.exercise.convention, "notes": self.notes}
+        result = {"points": self.points, "possible": self.possible, "held": self.held}
+        return of_function | result | {"properties": [_as_json(*both) for both in points]}
 
     def _lines(self) -> Iterator[str]:
         title = self.called + ("" if self.called == self.operation else f" as {self.operation}")
@@ -110,7 +89,7 @@ class Report:
             title += f": all {every} properties hold" if every > 1 else ": it holds"
         score = f"{self.points} of {self.possible} points"
         yield title + score.rjust(WIDTH - len(title))
-        if self.exercise.convention != CONTRACT:
+        if self.exercise.convention != catalogue.CONTRACT:
             note = "Right, but in another convention than numpy_cae's: "
             yield from _wrapped("  ", f"{note}{self.exercise.convention}.", 2)
         if self.unsolved:
@@ -130,19 +109,18 @@ class Report:
         first, *others = self.failing()
         yield from _wrapped(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
         yield from _why(first)
-        for reason in dict.fromkeys(map(_reason, self.failing())):
-            alike = [outcome for outcome in others if _reason(outcome) == reason]
-            names = ", ".join(outcome.stated.name for outcome in alike)
+        for reason in dict.fromkeys(map(_reason, (first, *others))):
+            names = ", ".join(o.stated.name for o in others if _reason(o) == reason)
             if names and reason == _reason(first):
                 yield from _wrapped("  FAILED  for the same reason: ", names, INDENT)
             elif names:
-                what = "not compared, since " * all(map(_is_of_another, alike)) + reason[0]
-                yield from _wrapped(f"  FAILED  {names}: ", what, INDENT)
+                yield from _wrapped(f"  FAILED  {names}: ", reason[0], INDENT)
                 if reason[1] not in ("", first.mistake):
                     yield from _wrapped(" " * INDENT + "likely:   ", reason[1], 2 * INDENT + 2)
-        yield from _names("  not tried: ", [o for o in self.outcomes if not (o.held or o.problem)])
-        yield from _names("  hold: ", [o for o in self.outcomes if o.held])
-        yield from _wrapped("  points: ", self.shares(), INDENT)
+        is_tried = [outcome.held or bool(outcome.problem) for outcome in self.outcomes]
+        yield from _names("  not tried: ", [not tried for tried in is_tried], self.outcomes)
+        yield from _names("  hold: ", [outcome.held for outcome in self.outcomes], self.outcomes)
+        yield from _wrapped("  points: ", self._shares(), INDENT)
 
     def failing(self) -> list[Outcome]:
         """The properties that were tried and do not hold, the one about everything last.
@@ -156,7 +134,7 @@ class Report:
         failing = [outcome for outcome in self.outcomes if outcome.problem and not outcome.held]
         return sorted(failing, key=place)
 
-    def shares(self) -> str:
+    def _shares(self) -> str:
         """The points of each group of properties, and why one that holds may have none."""
         groups = [outcome.stated.group for outcome in self.outcomes]
         earned = self.earned()
@@ -175,25 +153,27 @@ def _reason(outcome: Outcome) -> tuple[str, str]:
     return outcome.problem.splitlines()[0], outcome.mistake
 
 
-def _is_of_another(outcome: Outcome) -> bool:
-    """Whether a gradient was not compared, since one beside it has no right shape."""
-    own = outcome.stated.subject
-    return outcome.kind == SHAPE and own not in ("", outcome.subject)
+def _as_json(outcome: Outcome, points: float) -> dict:
+    stated = outcome.stated
+    of_property = {"name": stated.name, "statement": stated.statement, "held": outcome.held}
+    of_property |= {"points": points, "possible": stated.points, "problem": outcome.problem}
+    why = {"counterexample": outcome.counterexample, "likely_mistake": outcome.mistake}
+    return of_property | why
 
 
-def _names(head: str, outcomes: Sequence[Outcome]) -> list[str]:
-    names = ", ".join(outcome.stated.name for outcome in outcomes)
+def _names(head: str, chosen: Sequence[bool], outcomes: Sequence[Outcome]) -> list[str]:
+    names = ", ".join(
+        one.stated.name for one, is_one in zip(outcomes, chosen, strict=True) if is_one
+    )
     return _wrapped(head, names, INDENT) if names else []
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
     """The lines below a property that does not hold, not too many of each kind."""
-    for title, text, most in (
-        ("what", outcome.problem, 9),
-        ("smallest", outcome.counterexample, 13),
-        ("likely", outcome.mistake, 4),
-        ("hint", outcome.stated.hint, 4),
-    ):
+    problem = ("what", outcome.problem, 9)
+    counterexample = ("smallest", outcome.counterexample, 13)
+    advice = [("likely", outcome.mistake, 4), ("hint", outcome.stated.hint, 4)]
+    for title, text, most in (problem, counterexample, *advice):
         lines: list[str] = []
         for i, line in enumerate(text.splitlines()):
             head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)
@@ -248,7 +228,7 @@ def report(
     >>> made.outcomes[1].stated.name, made.outcomes[1].mistake
     ('gradient for x', 'The derivative is 1 - x², where it should be 1 - y².')
     """
-    exercise = find_exercise(operation)
+    exercise = catalogue.find_exercise(operation)
     called = called or getattr(function, "__name__", exercise.name)
     followed, outcomes = tested(exercise, function, any_convention)
     return Report(followed, called, outcomes)
@@ -265,18 +245,17 @@ def tested(
     `begin` is called before each case, with the outcomes of the properties before.
     """
     if any_convention:
-        for followed in (exercise, *in_other_conventions(exercise)):
+        for followed in (exercise, *catalogue.in_other_conventions(exercise)):
             if holds(followed, function):
                 return followed, tuple(Outcome(stated, True) for stated in followed.properties)
     first, *others = exercise.properties
     outcomes = [try_property(first, function, begin=partial(begin, ()))]
-    if outcomes[0].kind == UNSOLVED:
-        outcomes += [Outcome(stated, False, UNSOLVED, kind=UNSOLVED) for stated in others]
-    elif not outcomes[0].held and _never_answers(first, function):
-        outcomes += [Outcome(stated, False) for stated in others]
-    else:
-        for stated in others:
-            outcomes.append(try_property(stated, function, begin=partial(begin, outcomes)))
+    is_unsolved = outcomes[0].kind == UNSOLVED
+    is_tried = outcomes[0].held or not (is_unsolved or _never_answers(first, function))
+    for stated in others:
+        untried = Outcome(stated, False, UNSOLVED * is_unsolved, kind=UNSOLVED * is_unsolved)
+        begin_next = partial(begin, outcomes)
+        outcomes.append(try_property(stated, function, begin=begin_next) if is_tried else untried)
     return exercise, tuple(outcomes)
 
 

@@ -54,26 +54,18 @@ class FileReport:
 
     def __str__(self) -> str:
         name = readable(str(self.path))
-        parts = [name]
-        parts += [str(report) for report in self.reports]
-        parts += [textwrap.fill(f"The file fails: {fault}", WIDTH) for fault in self.faults]
-        parts += [textwrap.fill(f"Note: {note}", WIDTH) for note in self.notes]
+        notes = [f"The file fails: {fault}" for fault in self.faults]
+        notes += [f"Note: {note}" for note in self.notes]
         verdict = "every property held" if self.held else "FAILED"
         score = f"{self.points} of {self.possible} points" if self.possible else "no points"
-        parts.append(f"{name}: {score}, {verdict}")
-        return "\n\n".join(parts)
+        filled = [textwrap.fill(note, WIDTH) for note in notes]
+        return "\n\n".join([name, *map(str, self.reports), *filled, f"{name}: {score}, {verdict}"])
 
     def as_json(self) -> dict:
         """The report in plain dicts, lists and numbers."""
-        return {
-            "file": str(self.path),
-            "points": self.points,
-            "possible": self.possible,
-            "held": self.held,
-            "faults": self.faults,
-            "notes": self.notes,
-            "operations": [report.as_json() for report in self.reports],
-        }
+        made = {name: getattr(self, name) for name in ("points", "possible", "held", "faults")}
+        operations = [report.as_json() for report in self.reports]
+        return {"file": str(self.path), **made, "notes": self.notes, "operations": operations}
 
 
 def grade(
@@ -134,18 +126,11 @@ def grade(
         given = {other for name in tested for other in exercises[name].given} - set(assigned)
         if {*wanted, *given} <= operations.CATALOGUE.keys():
             catalogue = operations  # quicker to import
-        request = {
-            "path": str(path.resolve()),
-            "catalogue": catalogue.__name__,
-            "wanted": wanted,
-            "given": sorted(given),
-            "replaced": list(assigned) if submission.is_notebook else [],
-            "any_convention": any_convention,
-            "seconds": seconds,
-            "cpu_seconds": EXERCISE_SECONDS,
-            "megabytes": megabytes,
-        }
-        reply = run(request)
+        file = {"path": str(path.resolve()), "catalogue": catalogue.__name__, "wanted": wanted}
+        file |= {"given": sorted(given), "any_convention": any_convention}
+        limits = {"seconds": seconds, "cpu_seconds": EXERCISE_SECONDS, "megabytes": megabytes}
+        replaced = list(assigned) if submission.is_notebook else []
+        reply = run({**file, **limits, "replaced": replaced})
     return _graded(submission, exercises, wanted, {*assigned, *named}, reply)
 
 
@@ -161,9 +146,7 @@ def _graded(
     graded.notes += [COPIED.format(name) for name in submission.copied]
     results = reply.get("results", {})
     problems = reply.get("problems", [])
-    fault = reply["failed"]
-    if problems and not submission.is_notebook:
-        fault = problems[0]
+    fault = reply["failed"] or (problems[0] if problems and not submission.is_notebook else "")
     defined = submission.defined() if fault else ()
     helpers: list[Report] = []
     for name, function in wanted.items():
@@ -174,9 +157,9 @@ def _graded(
         report = report_of(catalogue[name], function, result)
         if name not in counted and _is_helper(report, submission):
             helpers.append(report)
-            continue
-        graded.reports.append(report)
-        graded.notes += [f"{function}: {readable(note)}" for note in result.get("notes", ())]
+        else:
+            graded.reports.append(report)
+            graded.notes += [f"{function}: {readable(note)}" for note in result.get("notes", ())]
     if graded.reports:
         graded.notes += [HELPER.format(report.called) for report in helpers]
     graded.reports = graded.reports or helpers

@@ -20,8 +20,10 @@ SEEDS_TRIED = 3
 """SEEDS_TRIED: seeds below this number are tried to make a counterexample simpler."""
 LARGE = 16
 """LARGE: a size above this occurs in one case of a property only, together with small sizes."""
-BELOW_POWERS = (7, 15)
+BELOW_POWERS = (7, 14, 15)
+"""BELOW_POWERS: numbers of frames one or two below a power of two, each tried with several taps."""
 SEVERAL_TAPS = 5
+"""SEVERAL_TAPS: at least so many taps are several."""
 VERY_LARGE = 100
 """VERY_LARGE: a size above this gets a case of its own, in which all other sizes are small."""
 ORDINARY = "ordinary"
@@ -171,9 +173,7 @@ def random_cases(
     rng = np.random.default_rng(zlib.crc32(name.encode()))
     rows = [
         *_mixed_rows(rng, sizes, count, [size for size in combined if size in sizes]),
-        *_rows_of_powers_of_two(sizes),
-        *_rows_of_very_large_sizes(sizes),
-        *_rows_of_last_sizes(sizes, together),
+        *_further_rows(sizes, together),
     ]
     cases = [Case(tuple(row.items()), int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
     return sorted(cases, key=_entries)
@@ -196,35 +196,25 @@ def _mixed_rows(
         yield dict(zip(columns, row, strict=True))
 
 
-def _rows_of_powers_of_two(sizes: Sizes) -> Iterator[dict]:
-    """One frame less than a power of two with several taps, where a short FFT wraps around."""
+def _further_rows(sizes: Sizes, together: Sequence[Mapping]) -> Iterator[dict]:
+    """Rows in which what is not named here is as simple as it may be.
+
+    These are frames just below a power of two with several taps, where a short FFT wraps around;
+    each very large size beside one of the two simplest of all others; and all last sizes.
+    """
+    first = {name: options[0] for name, options in sizes.items()}
+    numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
     for frames, taps in product(BELOW_POWERS, sizes.get("taps", ())):
         if frames in sizes.get("frames", ()) and SEVERAL_TAPS <= taps <= LARGE:
-            yield _first_options(sizes) | {"frames": frames, "taps": taps}
-
-
-def _rows_of_very_large_sizes(sizes: Sizes) -> Iterator[dict]:
-    """Each very large size once, beside one of the two simplest options of all other sizes."""
-    large = [(size, option) for size in sizes for option in sizes[size] if _is_large(option)]
-    alone = [(size, option) for size, option in large if option > VERY_LARGE]
-    for number, (size, option) in enumerate(alone):
-        simple = {name: options[:2][number % 2 - 1] for name, options in _numbers(sizes).items()}
-        yield _first_options(sizes) | simple | {size: option}
-
-
-def _rows_of_last_sizes(sizes: Sizes, together: Sequence[Mapping]) -> Iterator[dict]:
-    last = {name: options[-1] for name, options in _numbers(sizes).items()}
+            yield first | {"frames": frames, "taps": taps}
+    large = [(size, option) for size in numbers for option in numbers[size] if option > VERY_LARGE]
+    for number, (size, option) in enumerate(large):
+        simple = {name: options[:2][number % 2 - 1] for name, options in numbers.items()}
+        yield first | simple | {size: option}
+    last = {name: options[-1] for name, options in numbers.items()}
     for classes in together:
         if all(option in sizes.get(name, ()) for name, option in classes.items()):
-            yield _first_options(sizes) | last | dict(classes)
-
-
-def _first_options(sizes: Sizes) -> dict:
-    return {name: options[0] for name, options in sizes.items()}
-
-
-def _numbers(sizes: Sizes) -> Sizes:
-    return {name: options for name, options in sizes.items() if isinstance(options[0], int)}
+            yield first | last | dict(classes)
 
 
 def _column(rng: np.random.Generator, options: Sequence, count: int) -> list:

@@ -11,45 +11,25 @@ from itertools import zip_longest
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import copies
-from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.patch import bugs_of, conventions_of
-from numpy_cae.verify.operations.property import (
-    Property,
-    compared,
-    copied,
-    differentiated,
-    drawn_upstream,
-    property_of,
-)
+from numpy_cae.verify.operations.property import Property, compared, property_of
 
-OF_GRADIENTS = ("gradient for x", "gradient for h0", "special inputs")
 SEVERAL = 2
 """SEVERAL: a mistake is named only if the right operation differs in at least so many cases."""
 GENERAL_CASES = 8
 """GENERAL_CASES: two mistakes that explain the same are compared in so many further cases."""
-FRAMES = 1200
-"""FRAMES: the gradient of a GRU is followed back over so many frames."""
-TRUNCATED = "Truncated backpropagation: of 1200 frames the last one's gradient reaches {} only."
 
 
 def likely_mistake(stated: Property, implementation: Callable) -> str:
     """The sentence on the mistake because of which a property does not hold, or ""."""
     if stated.diagnose is not None:
         return stated.diagnose(stated, implementation)
-    mistake = _known_mistake(stated, implementation)
     operation = stated.definition
-    if not mistake and operation and operation.name == "gru" and stated.name in OF_GRADIENTS:
-        frames = _carried_back(operation.reference, implementation)
-        return TRUNCATED.format(frames) if frames else ""
-    if not mistake and operation:
-        mistake = misplaced_gradient(stated, operation, implementation)
-    if mistake or stated.name != "independence":
-        return mistake
-    if any(_has_one_buffer(stated, implementation, case) for case in stated.cases()):
-        return "Results are kept in one array: what a call returns is overwritten by the next."
-    return ""
+    if operation is None:
+        return ""
+    mistake = _known_mistake(stated, operation, implementation)
+    return mistake or misplaced_gradient(stated, operation, implementation)
 
 
 def misplaced_gradient(stated: Property, operation: Operation, implementation: Callable) -> str:
@@ -90,11 +70,8 @@ def _holds(stated: Property, implementation: Callable) -> bool:
     return True
 
 
-def _known_mistake(stated: Property, implementation: Callable) -> str:
+def _known_mistake(stated: Property, operation: Operation, implementation: Callable) -> str:
     """The sentence on the planted bug that does the same, or ""."""
-    operation = stated.definition
-    if operation is None:
-        return ""
     cases = [case for case in stated.cases() if case.get("layout") != "read-only"]
     results = [stated.check.results(implementation, case) for case in cases]
     right = [stated.check.results(operation.reference, case) for case in cases]
@@ -107,47 +84,6 @@ def _known_mistake(stated: Property, implementation: Callable) -> str:
             explained[sentence] = _shared_effects(operation, implementation, wrong)
     best = max(explained, key=explained.__getitem__, default="")
     return best if best and explained[best] >= 0 else ""
-
-
-def _has_one_buffer(stated: Property, implementation: Callable, case: Case) -> bool:
-    """Whether the next call of a pullback, or of the function, alters what one returned.
-
-    Not where the pullback is wrong when it is called again: it remembers or adds something.
-    """
-    operation = stated.check.operation
-    cases = (case, Case(case.sizes, case.seed + 1))
-    given, others = (copies([*operation.arguments(each).values()]) for each in cases)
-    try:
-        value, pullback = implementation(*given)
-        dy = drawn_upstream(case, value)
-        first = [value, *differentiated(operation, pullback(copied(dy))).values()]
-        kept = copies(first)
-        again = copies([*differentiated(operation, pullback(2 * dy)).values()])
-        implementation(*others)[1](copied(dy))
-    except Exception:  # another mistake
-        return False
-    is_linear = all(np.allclose(b, 2 * a) for a, b in zip(kept[1:], again, strict=True))
-    return is_linear and not all(np.array_equal(*both) for both in zip(first, kept, strict=True))
-
-
-def _carried_back(right: Callable, gru: Callable) -> int:
-    """The frames that the gradient of a GRU's last output is carried back, if no further; or 0.
-
-    The gradient for x is right in so many frames and 0 before them. The update gates keep the
-    state, so that the right gradient is nowhere small. (One frame may have other causes.)
-    """
-    rng = np.random.default_rng(0)
-    x = rng.random((1, FRAMES, 1))
-    weights = [np.ones((1, 3)), np.zeros((1, 3)), np.array([0.0, 12.0, 0.0]), np.zeros(3)]
-    arguments = [x, np.zeros((1, 1)), *weights]
-    dy = np.where(np.arange(FRAMES) == FRAMES - 1, 1.0, 0.0).reshape(x.shape)
-    try:
-        expected, dx = (f(*copies(arguments))[1](dy.copy())[0].ravel() for f in (right, gru))
-    except Exception:  # another mistake
-        return 0
-    frames = np.count_nonzero(dx)
-    expected[: FRAMES - frames] = 0.0
-    return frames if 1 < frames <= FRAMES / 2 and np.allclose(dx, expected, 1e-6, 0) else 0
 
 
 def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:

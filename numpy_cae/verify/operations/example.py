@@ -56,28 +56,27 @@ def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int 
         properties = name.operation_test  # type: ignore[attr-defined]
     else:
         properties = find_exercise(name).properties
-    first = properties[0]
     case = _case_of(properties, seed, sizes)
-    arguments = first.arguments(case)
-    operation = first.definition
+    arguments = properties[0].arguments(case)
+    operation = properties[0].definition
     if operation is None:
         return Example(arguments)
     dy, right = right_results(operation, case, arguments)
     value, *gradients = right.values()
-    named = dict(zip(operation.differentiated, gradients, strict=True))
-    return Example(arguments, dy, value, named)
+    return Example(
+        arguments, dy, value, dict(zip(operation.differentiated, gradients, strict=True))
+    )
 
 
 def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
     """A case of an operation's properties; a ValueError if a size is missing or unknown."""
     allowed: dict[str, list] = {}
-    for stated in properties:
-        for name, options in stated.sizes.items():
-            allowed.setdefault(name, []).extend(options)
+    for name, options in (each for stated in properties for each in stated.sizes.items()):
+        allowed.setdefault(name, []).extend(options)
     needed = {name for name, options in allowed.items() if ORDINARY not in options}
     if not needed <= set(sizes) <= set(allowed):
-        names = ", ".join(allowed)
-        raise ValueError(f"{properties[0].operation} has the sizes {names}, got {', '.join(sizes)}")
+        text = f"{', '.join(allowed)}, got {', '.join(sizes)}"
+        raise ValueError(f"{properties[0].operation} has the sizes {text}")
     for name, size in sizes.items():
         if isinstance(size, str) and size not in allowed[name]:
             options = ", ".join(dict.fromkeys(map(str, allowed[name])))

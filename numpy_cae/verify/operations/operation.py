@@ -79,7 +79,7 @@ WINDOW = {
 }
 PAIRS = WINDOW | {"frames": (2, 4, 6, 8, 10, 16, 18, 140)}
 FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
-FILTERED = WINDOW | FILTERS | CLASSES | {"frames": (1, 2, 3, 4, 5, 7, 8, 9, 15, 70)}
+FILTERED = WINDOW | FILTERS | CLASSES | {"frames": (1, 2, 3, 4, 5, 7, 8, 9, 14, 15, 70)}
 ANY_SHAPE = WINDOW | {"axes": (3, 4, 2, 1)}
 LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 3, 1, 0, 4)} | CLASSES
 STATE = {"state": (ORDINARY, "zeros", "huge")}

@@ -7,17 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from numpy_cae.verify.checks.call import is_pair
+from numpy_cae.verify.operations import operation as drawing
 from numpy_cae.verify.operations.case import VALUES, Case
-from numpy_cae.verify.operations.operation import (
-    CLASSES,
-    Operation,
-    Values,
-    arguments_of,
-    leading_axes,
-    names_in,
-    simplest_case,
-    with_each_array,
-)
+from numpy_cae.verify.operations.operation import CLASSES, Operation, Values, names_in
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
@@ -106,29 +98,21 @@ def properties_of(
     name = getattr(f, "__name__", "the operation")
     shapes = {x: re.sub(r"\s*([*+])\s*", r"\1", text) for x, text in shapes.items()}
     _require_sizes(name, shapes)
-    known = [*shapes, *names_in(shapes), *leading_axes(shapes)]
-    _require_known(
-        name, "shapes", {*(sizes or ()), *(values or ()), *(differentiable or ())}, known
-    )
+    known = [*shapes, *names_in(shapes), *drawing.leading_axes(shapes)]
+    named = {*(sizes or ()), *(values or ()), *(differentiable or ())}
+    _require_known(name, "shapes", named, known)
     values = {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
-    arguments = arguments_of(shapes, values)
+    arguments = drawing.arguments_of(shapes, values)
     if tuple(dtypes) == ("float32",):
         arguments = _in_single(arguments)
-    every = with_each_array({**_drawn_sizes(shapes), **CLASSES, **(sizes or {})}, arguments)
-    example = arguments(simplest_case(every))
+    every = drawing.with_each_array({**_drawn_sizes(shapes), **CLASSES, **(sizes or {})}, arguments)
+    example = arguments(drawing.simplest_case(every))
     if differentiable is None:
         differentiable = [name for name, array in example.items() if array.dtype.kind == "f"]
-    operation = Operation(
-        name,
-        every,
-        arguments,
-        tuple(differentiable),
-        without_ties=SMOOTH,
-        saturates=True,
-        seeded_by=f"seed {seed}",
-        drawn_by_caller=tuple(x for x in values if callable(values[x])),
-        is_single=tuple(dtypes) == ("float32",),
-    )
+    options = {"without_ties": SMOOTH, "saturates": True, "seeded_by": f"seed {seed}"}
+    options["drawn_by_caller"] = tuple(x for x in values if callable(values[x]))
+    options["is_single"] = tuple(dtypes) == ("float32",)
+    operation = Operation(name, every, arguments, tuple(differentiable), **options)
     if definition is not None:
         which = "reference" if is_pair(definition(*example.values())) else "definition"
         operation = replace(operation, **{which: definition})
@@ -136,10 +120,8 @@ def properties_of(
     marks = marks or {}
     _require_known(name, "the list of properties", {*skip, *marks}, [each.name for each in stated])
     left_out = {*skip} if tuple(dtypes) == DTYPES else {*skip, "dtype"}
-    kept = (each for each in stated if each.name not in left_out)
-    return tuple(
-        replace(each, marks=marks.get(each.name, ()), example_of="stated") for each in kept
-    )
+    marked = (replace(each, marks=marks.get(each.name, ()), example_of="stated") for each in stated)
+    return tuple(each for each in marked if each.name not in left_out)
 
 
 def _require_known(name: str, where: str, used: set[str], known: Sequence[str]) -> None:
@@ -151,21 +133,18 @@ def _require_known(name: str, where: str, used: set[str], known: Sequence[str]) 
 
 def _require_sizes(name: str, shapes: Mapping[str, str]) -> None:
     """Raise a ValueError where a size is no name, number, product or sum, or its name is in use."""
-    for argument, text in shapes.items():
-        for size in text.split():
-            if size != "..." and not SIZE.fullmatch(size):
-                rule = "a size is a name, a number, a product, a sum, or ..."
-                raise ValueError(f"{name}: {argument} has the size {size!r}; {rule}")
-    used = sorted({*names_in(shapes)} & {*IN_USE})
+    for argument, size in ((a, size) for a, text in shapes.items() for size in text.split()):
+        if size != "..." and not SIZE.fullmatch(size):
+            rule = "a size is a name, a number, a product, a sum, or ..."
+            raise ValueError(f"{name}: {argument} has the size {size!r}; {rule}")
+    used = ", ".join(sorted({*names_in(shapes)} & {*IN_USE}))
     if used:
-        raise ValueError(
-            f"{name}: {', '.join(used)} cannot be the name of a size: it has another use"
-        )
+        raise ValueError(f"{name}: {used} cannot be the name of a size: it has another use")
 
 
 def _drawn_sizes(shapes: Mapping[str, str]) -> dict[str, tuple]:
     """The numbers to draw each size from, and how many axes "..." stands for."""
-    leading = leading_axes(shapes) if "..." in " ".join(shapes.values()) else []
+    leading = drawing.leading_axes(shapes) if "..." in " ".join(shapes.values()) else []
     names = [*names_in(shapes), *(name for name in leading if not name.isdigit())]
     drawn: dict[str, tuple] = dict.fromkeys(names, SIZES)
     if leading:

@@ -24,6 +24,8 @@ EXAMPLES = 24
 """EXAMPLES: a property that does not set `examples` is tried on at least so many cases."""
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 1.7}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
+OVERWRITTEN = "after further calls, "
+"""OVERWRITTEN: a finding about an earlier result, which a later call must not change, begins so."""
 UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
 """Upstream gradients: one class of arrays, or of scalars if the value is a scalar."""
 
@@ -90,7 +92,6 @@ class Property:
     is_gradient: bool = False
     example_of: str = ""  # how a report names it in a call of `example`
     seeded_by: str = ""  # what the cases depend on, by default the operation
-    subject: str = ""  # what it is about, as mismatches name it, such as "the gradient for x"
     marks: tuple = ()  # of pytest
     watches_state: bool = False  # whether global state is compared, too
 
@@ -123,7 +124,6 @@ class Outcome:
     counterexample: str = ""
     mistake: str = ""
     kind: str = ""  # of the mismatch, or the type of another error
-    subject: str = ""  # of the mismatch
     case: Case | None = None  # the counterexample's
     notes: tuple[str, ...] = ()  # the warnings of the implementation
     crashed: bool = False  # whether the implementation raised
@@ -246,17 +246,15 @@ def _upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
     if not shape:
         return NUMBERS.get(kind, float(rng.uniform(1.5, 2.5)))
     dy = spread(rng, shape)
-    if kind == "integers":
-        return rng.choice([-3.0, 1.0, 2.0], shape)
-    if kind == "random":
-        return rng.uniform(-8, 8, shape)
     if kind == "sparse":
         return np.where(np.arange(dy.size).reshape(shape) == rng.integers(dy.size), dy, 0.0)
-    if kind in ("large", "tiny", "zeros"):
-        return dy * NUMBERS[kind]
-    if kind == "strided":
-        return LAYOUTS["every other entry"](dy)
-    return np.broadcast_to(2.0, shape) if kind == "constant" else dy
+    made: dict[object, Callable[[], np.ndarray]] = {
+        "integers": lambda: rng.choice([-3.0, 1.0, 2.0], shape),
+        "random": lambda: rng.uniform(-8, 8, shape),
+        "strided": lambda: LAYOUTS["every other entry"](dy),
+        "constant": lambda: np.broadcast_to(2.0, shape),
+    }
+    return made[kind]() if kind in made else dy * NUMBERS.get(kind, 1)
 
 
 def copied(dy: np.ndarray | float) -> np.ndarray | float:

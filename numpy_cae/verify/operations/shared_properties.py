@@ -40,7 +40,7 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     for name in operation.differentiated:
         right = "the definition" if operation.reference else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
-        options = {"points": POINTS, "is_gradient": True, "subject": f"the gradient for {name}"}
+        options = {"points": POINTS, "is_gradient": True}
         findings = partial(_gradient, name)
         classes = UPSTREAM | operation.without_ties
         yield stated(f"gradient for {name}", statement, findings, classes, **options)
@@ -275,7 +275,7 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
         call(another, copies(others)).gradients(second.dy)
     second_right = second.kept()
     first.gradients(second.dy)
-    yield _again("after further calls, the value that was returned first", first.value, value)
+    yield _again(f"{comparing.OVERWRITTEN}the value that was returned first", first.value, value)
     yield from _kept(gradients, right)
     for called, expected in ((first, right), (second, second_right)):
         for name, gradient in called.gradients().items():
@@ -295,7 +295,7 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
 def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> Findings:
     """Compare gradients with their copies; then overwrite them, as a caller may."""
     for name, gradient in gradients.items():
-        what = f"after further calls, the gradient for {name} that was returned first"
+        what = f"{comparing.OVERWRITTEN}the gradient for {name} that was returned first"
         yield _again(what, gradient, right[name])
         if isinstance(gradient, np.ndarray) and gradient.flags.writeable:
             gradient[...] = np.nan

@@ -2,27 +2,22 @@
 
 from collections.abc import Callable, Iterator
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from numpy_cae.verify.checks import written as writing
 from numpy_cae.verify.checks.call import is_pair
 from numpy_cae.verify.checks.mismatch import what_failed
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
-from numpy_cae.verify.checks.written import (
-    LONGEST_ARGUMENTS,
-    LONGEST_TEXT,
-    WORTH_PRINTING,
-    error_text,
-    written,
-    written_apart,
-)
+from numpy_cae.verify.checks.written import LONGEST_TEXT, error_text, written
 from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.example import example_call
-from numpy_cae.verify.operations.property import Outcome, Property
+from numpy_cae.verify.operations.property import OVERWRITTEN, Outcome, Property
 from numpy_cae.verify.operations.shared_state import call_keeping_state
 
 WATCHED = 4
 """WATCHED: one case in so many is checked for changes of global state, which is slow."""
+ONE_ARRAY = "Results are kept in one array: what a call returns is overwritten by the next."
 MAX_SHRINKS = 150
 """MAX_SHRINKS: so many simpler cases are tried to find a smaller counterexample."""
 
@@ -77,23 +72,21 @@ def try_property(
 
         case = _smallest(case, tried.sizes, fails_alike)
         error = failure(tried, last, case)
-    if error is None:  # it fails in one call and not in the next
+    failed = Outcome(tried, False, case=case, notes=tuple(notes), counterexample=str(case))
+    if error is None:
         problem = "called again with the same arguments, it returns something else"
-        return Outcome(tried, False, problem, str(case), case=case, notes=tuple(notes))
-    problem = str(error)[:LONGEST_TEXT]
+        return replace(failed, problem=problem)
     crashed = not isinstance(error, AssertionError)
-    if crashed:
-        problem = error_text(error, file_of(implementation))
+    problem = error_text(error, file_of(implementation)) if crashed else str(error)[:LONGEST_TEXT]
     if isinstance(error, RecursionError | MemoryError):
         problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
+    is_like_bugs = isinstance(error, AssertionError | ValueError | IndexError)
+    mistake = likely_mistake(tried, implementation) if is_like_bugs else ""
+    if not mistake and what_failed(error)[1].startswith(OVERWRITTEN):
+        mistake = ONE_ARRAY
     example = "\n".join(_described(tried, case, last, error))
-    mistake = ""
-    if isinstance(error, AssertionError | ValueError | IndexError):  # as planted bugs raise
-        mistake = likely_mistake(tried, implementation)
-    kind, subject = what_failed(error)
-    return Outcome(
-        tried, False, problem, example, mistake, kind, subject, case, tuple(notes), crashed
-    )
+    failed = replace(failed, problem=problem, counterexample=example, mistake=mistake)
+    return replace(failed, kind=what_failed(error)[0], crashed=crashed)
 
 
 def _smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:
@@ -210,10 +203,10 @@ def _described(tried: Property, case: Case, last: Recorder, error: Exception) ->
             shown["upstream gradient"] = upstreams[-1]
     yield str(case)
     lines = [f"{name} = {written(argument)}" for name, argument in shown.items()]
-    is_short = sum(map(len, lines)) <= LONGEST_ARGUMENTS
+    is_short = sum(map(len, lines)) <= writing.LONGEST_ARGUMENTS
     yield from lines if is_short else [example_call(tried, case)]
     result = getattr(error, "result", None)
-    if result is not None and result.size <= WORTH_PRINTING:
-        result, right = written_apart(result, error.expected)
+    if result is not None and result.size <= writing.WORTH_PRINTING:
+        result, right = writing.written_apart(result, error.expected)
         yield f"{error.subject.removeprefix('the ')}: {result}"
         yield f"  expected: {right}"

@@ -22,14 +22,12 @@ from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.property import Outcome
-from numpy_cae.verify.operations.trial import failure
 
 MOST_WRITTEN = 2**26
 """MOST_WRITTEN: all files of a process together may have at most so many bytes."""
 LEAST_FILE = 2**12
 """LEAST_FILE: a file counts as at least so many bytes, an empty one too."""
 SEVERAL_THREADS = "the grader's process has several threads, so that it cannot be forked safely"
-RIGHT_ALONE = "\nalone in a fresh process this example is right: something is kept between calls"
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 
 
@@ -60,19 +58,18 @@ class Grading:
         """Test each function that the file defines, one after the other."""
         wanted = self.request["wanted"]
         loaded = self.apart(self._names, 1)
-        present = [
-            name for name, function in wanted.items() if function in loaded.get("defined", ())
-        ]
+        defined = loaded.get("defined", ())
+        left = sum(function in defined for function in wanted.values())
         results: dict[str, dict] = {}
         for name, function in wanted.items():
-            if name in present:
-                left = len(present) - len(results)
+            if function in defined:
                 results[name] = self._outcomes(name, left)
-                with suppress(LookupError, TypeError, AttributeError):  # a file may write its own
-                    self._try_alone(name, results[name].get("outcomes", ()), left)
-            result = results.get(name, {"failed": "missing"})
-            held = "failed" not in result and all(one["held"] for one in result["outcomes"])
-            if name in self.request["replaced"] and not held:
+                left -= 1
+            outcomes = results.get(name, {}).get("outcomes", ())
+            is_right = "failed" not in results.get(name, {"failed": ""})
+            if name in self.request["replaced"] and not (
+                is_right and all(o["held"] for o in outcomes)
+            ):
                 self.instead[function] = self.catalogue[name].solution
         return {"failed": "", "problems": [], **loaded, "results": results}
 
@@ -117,19 +114,6 @@ class Grading:
         function = self._function(name)
         return reply_of(*tested(exercise, function, self.request["any_convention"], begin))
 
-    def _is_right(self, name: str, number: int, sizes: list, seed: int) -> dict:
-        stated = self.catalogue[name].properties[number]
-        case = Case(tuple(map(tuple, sizes)), seed)
-        return {"right": failure(stated, self._function(name), case) is None}
-
-    def _try_alone(self, name: str, outcomes: list[dict], left: int) -> None:
-        """Try each counterexample once more, in a fresh process; say so where it is right."""
-        for number, one in enumerate(outcomes):
-            if one["case"]:
-                again = self.apart(partial(self._is_right, name, number, *one["case"]), left)
-                if again.get("right"):
-                    one["problem"] += RIGHT_ALONE
-
 
 def do_apart(work: Callable[[], dict], seconds: float) -> dict:
     """The result of `work`, done by a forked process; without fork (Windows), by this one.
@@ -155,33 +139,33 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
             reply.write_text(json.dumps(work()))
         finally:
             os._exit(0)
-    taken, status, fault = _wait(process, seconds, reply.parent)
+    taken, fault = _wait(process, seconds, reply.parent)
     with suppress(OSError):
         os.killpg(process, signal.SIGKILL)
-    if fault:
-        os.waitpid(process, 0)
-        return {"failed": fault, "seconds": taken}
     try:
-        return {**json.loads(reply.read_text()), "seconds": taken}
+        result = {"failed": fault} if fault else json.loads(reply.read_text())
     except (OSError, ValueError):
-        out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
-        reason = "it used up its CPU time: an endless loop?" if out_of_time else CRASHED
-        return {"failed": reason, "seconds": taken}
+        result = {"failed": CRASHED}
+    return {**result, "seconds": taken}
 
 
-def _wait(process: int, seconds: float, folder: Path) -> tuple[float, int, str]:
-    """Wait for a process: the seconds it took, its status, and why it has to be ended, or ""."""
+def _wait(process: int, seconds: float, folder: Path) -> tuple[float, str]:
+    """Wait for a process, or end it: the seconds it took, and what is wrong, or ""."""
     begun = time.monotonic()
     while True:
         time.sleep(0.005)
         taken = time.monotonic() - begun - _waited(process)
         ended, status = os.waitpid(process, os.WNOHANG)
         if ended:
-            return taken, status, ""
-        if taken > seconds:
-            return taken, 0, f"it did not finish within {seconds:.3g} s: an endless loop?"
+            out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
+            return taken, "it used up its CPU time: an endless loop?" * out_of_time
+        fault = f"it did not finish within {seconds:.3g} s: an endless loop?" * (taken > seconds)
         if _written(folder) > MOST_WRITTEN:
-            return taken, 0, f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
+            fault = f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
+        if fault:
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+            return taken, fault
 
 
 def _waited(process: int) -> float:

@@ -30,23 +30,18 @@ BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-wi
 
 def run(request: dict) -> dict:
     """The reply of `child.main` to a request, or {"failed": why}."""
-    path = os.pathsep.join(filter(None, [PROJECT, os.environ.get("PYTHONPATH")]))
-    kept = {name: os.environ[name] for name in KEPT if name in os.environ}
+    environment = {name: os.environ[name] for name in KEPT if name in os.environ} | ONE_THREAD
+    environment["PYTHONPATH"] = os.pathsep.join([PROJECT, os.environ.get("PYTHONPATH", "")])
+    timeout = BUSY * (request["seconds"] + STARTUP_SECONDS)
     _remove_leftovers()
-    with tempfile.TemporaryDirectory(
-        prefix=f"{FOLDER}{os.getpid()}_", ignore_cleanup_errors=True
-    ) as folder:
+    made = tempfile.TemporaryDirectory(prefix=f"{FOLDER}{os.getpid()}_", ignore_cleanup_errors=True)
+    with made as folder:
+        environment["TMPDIR"] = folder
         inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
+        options = {"cwd": folder, "env": environment, "start_new_session": True, "timeout": timeout}
+        text = json.dumps(request).encode()
         try:
-            ended = subprocess.run(
-                [*inside, *CHILD],
-                input=json.dumps(request).encode(),
-                capture_output=True,
-                cwd=folder,
-                env={**kept, **ONE_THREAD, "PYTHONPATH": path, "TMPDIR": folder},
-                start_new_session=True,
-                timeout=BUSY * (request["seconds"] + STARTUP_SECONDS),
-            )
+            ended = subprocess.run([*inside, *CHILD], input=text, capture_output=True, **options)
             return json.loads(ended.stdout)
         except (subprocess.TimeoutExpired, ValueError):
             return {"failed": "its grading ended without a reply"}
