@@ -1,9 +1,10 @@
 """`check_gradients` compared with the checks of PyTorch, JAX and autograd, as far as installed.
 
 Functions with pullbacks written in NumPy, right and wrong, are wrapped for each library and checked
-with its default settings (in reverse mode, which alone uses the pullback). Then both versions, the
-wrong and the fixed one, of the wrong gradients that libraries really had are tried, also with the
-properties of `verify.properties_of` and with differences of the sum of the outputs.
+with its default settings (in reverse mode, which alone uses the pullback). Then the layers of small
+projects in NumPy are tried as they are, and both versions, the wrong and the fixed one, of the
+wrong gradients that libraries really had, also with the properties of `verify.properties_of` and
+with differences of the sum of the outputs.
 docs/verify.md and docs/historical_gradients.md have the tables:
 
     python -m studies gradient_checks
@@ -17,7 +18,7 @@ from copy import deepcopy
 
 import numpy as np
 
-from studies.gradients.bugs import bugs
+from studies.gradients.bugs import LAYERS, bugs
 from studies.gradients.cases import RIGHT, WRONG
 from studies.gradients.libraries import CHECKS, by_numpy_cae, with_arrays
 from studies.gradients.on_bugs import CHECKS as CHECKS_ON_BUGS
@@ -28,26 +29,45 @@ from studies.shared.result import Result, Table
 def run() -> Result:
     """Try every check on every function and every bug."""
     warnings.simplefilter("ignore")
-    return Result("Checks of gradients", [_on_functions(), *_on_bugs()])
+    return Result("Checks of gradients", [_on_functions(), _on_layers(), *_on_bugs()])
 
 
 def _on_functions() -> Table:
     """A row for each function, and how often each check was right."""
-    rows, counts = [], dict.fromkeys(CHECKS, 0)
+    rows = []
     for word, cases in (("right", RIGHT), ("wrong", WRONG)):
         for name, case in cases.items():
-            verdicts = {n: judged(check, case, word == "right") for n, check in CHECKS.items()}
-            for check, said in verdicts.items():
-                counts[check] += said == "right"
-            rows.append([name, word, *verdicts.values()])
-    rows.append([f"right of {len(rows)}", "", *(n or "not installed" for n in counts.values())])
-    return Table("", ["function", "pullback", *CHECKS], rows)
+            verdicts = (judged(check, case, word == "right") for check in CHECKS.values())
+            rows.append([name, word, *verdicts])
+    return _counted("function", list(CHECKS), rows)
+
+
+def _on_layers() -> Table:
+    """A row for each layer of a small project, in the version that the project has."""
+    rows = []
+    for layer in bugs(LAYERS):
+        said = [verdict(check, layer, fixed=False) for check in CHECKS_ON_BUGS]
+        words = {layer.is_right: "right", not layer.is_right: "false alarm", None: "not installed"}
+        words |= {} if layer.is_right else {True: "missed"}
+        project, operation, thread = (layer.fields[n] for n in ("project", "operation", "thread"))
+        word = "right" if layer.is_right else "wrong"
+        rows.append([f"[{project}, {operation}]({thread})", word, *(words[each] for each in said)])
+    return _counted("layer", list(CHECKS_ON_BUGS), rows)
+
+
+def _counted(what: str, checks: list[str], rows: list[list[str]]) -> Table:
+    """A table of verdicts, whose last row has how many of them were right."""
+    counts = [sum(row[2 + i] == "right" for row in rows) for i in range(len(checks))]
+    last = [f"right of {len(rows)}", "", *(count or "not installed" for count in counts)]
+    return Table("", [what, "pullback", *checks], [*rows, last])
 
 
 def _on_bugs() -> list[Table]:
     """A row for each bug, with the checks that miss it, and what each check found and refused."""
-    found, refused = dict.fromkeys(CHECKS_ON_BUGS, 0), dict.fromkeys(CHECKS_ON_BUGS, 0)
-    rows, every = [], bugs()
+    found = dict.fromkeys(CHECKS_ON_BUGS, 0)
+    refused = dict.fromkeys(CHECKS_ON_BUGS, 0)
+    rows = []
+    every = bugs()
     for bug in every:
         missed = []
         for check in CHECKS_ON_BUGS:

@@ -19,7 +19,7 @@ FOLDER = Path(__file__).with_name("historical")
 LAYERS = Path(__file__).with_name("layers")
 """LAYERS: layers of small projects in NumPy. A right one has no mistake, nor marked lines."""
 SIZES = (6, 4, 5, 3, 2)
-"""The sizes by which the names in the shapes are replaced for checks of one point, in their order."""
+"""SIZES: the names in the shapes stand for these, in their order, in checks of one point."""
 
 
 def in_memory_order(array: np.ndarray) -> np.ndarray:
@@ -49,6 +49,11 @@ class Bug:
     def is_right(self) -> bool:
         """Whether it is a layer without a mistake."""
         return "mistake" not in self.fields
+
+    @property
+    def dtypes(self) -> tuple[str, ...]:
+        """The dtypes that the operation keeps."""
+        return tuple(self.fields.get("dtypes", "float64 float32").split())
 
     @property
     def shapes(self) -> dict[str, str]:

@@ -20,8 +20,8 @@ def by_properties(f: Callable, bug: Bug) -> bool:
 
     Small projects do not promise to keep float32.
     """
-    skip = ("dtype",) if bug.is_layer else ()
-    for stated in verify.properties_of(f, bug.shapes, values=bug.ranges, skip=skip):
+    options = {"skip": ("dtype",) if bug.is_layer else (), "dtypes": bug.dtypes}
+    for stated in verify.properties_of(f, bug.shapes, values=bug.ranges, **options):
         try:
             verify.check_property(stated, f)
         except AssertionError:

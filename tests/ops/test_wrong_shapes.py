@@ -28,8 +28,8 @@ ARGUMENTS = {
     "unpool_random": (WINDOWS, WINDOWS > 0),
     "mean_squared_error": [WINDOWS] * 2,
     "sliced_wasserstein": (ONE_FRAME, ONE_FRAME, UNIT),
-    "arctanh": [WINDOWS, 0.9],
-    **dict.fromkeys(("max_pool", "unpool_even", "tanh", "sigmoid"), [WINDOWS]),
+    "arctanh": (WINDOWS, 0.9),
+    **dict.fromkeys(("max_pool", "unpool_even", "tanh", "sigmoid"), (WINDOWS,)),
 }
 
 

@@ -9,18 +9,20 @@ from studies.gradients.bugs import LAYERS, bugs
 
 BUGS = bugs()
 OF_LAYERS = bugs(LAYERS)
+WRONG_LAYERS = [layer for layer in OF_LAYERS if not layer.is_right]
 
 
 def properties(bug):
-    return verify.properties_of(bug.function(fixed=False), bug.shapes, values=bug.ranges)
+    options = {"skip": ["dtype"], "dtypes": bug.dtypes} if bug.is_layer else {}
+    return verify.properties_of(bug.function(False), bug.shapes, values=bug.ranges, **options)
 
 
-@pytest.mark.parametrize("bug", BUGS + OF_LAYERS, ids=lambda bug: bug.name)
+@pytest.mark.parametrize("bug", BUGS + WRONG_LAYERS, ids=lambda bug: bug.name)
 def test_the_wrong_version_is_found(bug):
     assert any(failing_case(stated, bug.function(fixed=False)) for stated in properties(bug))
 
 
-@pytest.mark.parametrize("bug", BUGS[::4] + OF_LAYERS, ids=lambda bug: bug.name)
+@pytest.mark.parametrize("bug", BUGS[::4] + OF_LAYERS[::4], ids=lambda bug: bug.name)
 def test_the_fixed_version_holds(bug):
     for stated in properties(bug):
         assert failing_case(stated, bug.function(fixed=True)) is None, stated.name

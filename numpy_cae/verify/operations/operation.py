@@ -1,8 +1,13 @@
-"""`OPERATIONS`, a table: the arguments of every operation, its definition and its tolerances."""
+"""`OPERATIONS`: the arguments of every operation, its definition and its tolerances.
+
+Sizes and tolerances are in the table `operations.toml`.
+"""
 
 import math
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -68,46 +73,18 @@ def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray,
     return x_hat, pullback
 
 
+TABLE = tomllib.loads(Path(__file__).with_name("operations.toml").read_text(encoding="utf-8"))
+"""TABLE: sizes, shapes and tolerances of the operations, and the properties of single ones."""
 CLASSES = {"values": tuple(VALUES)}
-EXTREME = {"values": (*VALUES, "extreme")}
-AT_BOUNDS = {"values": (*VALUES, "bound")}
-CHANNELS = (1, 2, 3, 17)
-WINDOW = {
-    "batch": (1, 2, 3, 4, 6, 70),
-    "frames": (1, 2, 3, 4, 5, 8, 9, 70),
-    "channels": CHANNELS,
-}
-PAIRS = WINDOW | {"frames": (2, 4, 6, 8, 10, 16, 18, 140)}
-FILTERS = {"channels": CHANNELS, "filters": (1, 2, 3, 4, 17), "taps": (1, 3, 5, 7, 9, 15)}
-FILTERED = WINDOW | FILTERS | CLASSES | {"frames": (1, 2, 3, 4, 5, 7, 8, 9, 14, 15, 70)}
-ANY_SHAPE = WINDOW | {"axes": (3, 4, 2, 1)}
-LINEAR = WINDOW | {"features": (1, 2, 3, 4), "axes": (2, 3, 1, 0, 4)} | CLASSES
-STATE = {"state": (ORDINARY, "zeros", "huge")}
-GRU = {"batch": (1, 2, 3, 6, 70), "channels": CHANNELS, "hidden": (1, 2, 3, 9)} | STATE | CLASSES
-BANK = FILTERS | EXTREME | {"taps": (1, 2, 3, 4, 5, 9, 15)}
-FRAMES = {"frames": (1, 2, 3, 5, 34)}
-POINTS = {
-    "points": (1, 2, 3, 4, 5, 7, 8, 13, 300, 530),
-    "dimensions": (1, 2, 3, 17),
-    "directions": (1, 2, 3, 34),
-}
-LONG = {
-    "batch": (128, 300, 1030, 18),
-    "frames": (128, 530, 240),
-    "taps": (33, 131, 17),
-    "points": (128, 256, 2100),
-    "directions": (3, 5, 7, 64, 520),
-    "channels": (3, 64, 300, 63),
-    **dict.fromkeys(("filters", "features"), (64, 300, 3)),
-    **dict.fromkeys(("hidden", "dimensions"), (3, 64, 300, 18)),
-    "axes": (3,),
-}
-"""Additional sizes for the `special inputs` property.
 
-The last size of every axis is that of the project's own networks, or above it: 240 frames of 63
-channels. All last sizes are tried together; few filters keep that fast for code with loops.
-"""
-SHORTER = {"longer": LONG | {"batch": (128, 300, 1030, 2), "frames": (1100, 240)}}
+
+def sizes_of(options: Mapping[str, list]) -> dict[str, tuple]:
+    """Sizes and classes as they are written in the table, "*" for every class of values."""
+    every = {name: VALUES if given[0] == "*" else given[:1] for name, given in options.items()}
+    return {name: (*every[name], *given[1:]) for name, given in options.items()}
+
+
+LONG = sizes_of(TABLE["longer"])
 BOUNDS = (0.5, 0.9, 0.99, 0.999)
 WEIGHT_REACH = 1.0
 """WEIGHT_REACH: ordinary weights of a GRU are at most this; of one hidden unit, quarters."""
@@ -249,46 +226,36 @@ def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) ->
     return (member / member.sum(axis=1, keepdims=True)) @ gradient
 
 
-WITHOUT_TIES = {"values": (ORDINARY, "random", "near ties", "tiny", "large", "offset")}
-TIED = tuple(name for name in EXTREME["values"] if name not in WITHOUT_TIES["values"])
-SATURATES = {"saturates": True}
-SELECTS = {"floor": 0.0}
-ELEMENTWISE = {"floor": 64 * float(np.finfo(float).eps)}
-POINTS_ALIKE = {"alike": _mean_of_equal_points}
-_WINDOW = "batch frames channels"
-_BANK = "taps channels filters"
-_conv1d = arguments_of({"x": _WINDOW, "w": _BANK, "b": "filters"}, {})
-_linear = arguments_of({"x": "... channels", "w": "channels features", "b": "features"}, {})
-_pool = arguments_of({"x": _WINDOW}, {})
-_unpool_random = arguments_of({"y": _WINDOW, "first": _WINDOW}, {"first": _mask})
-_TABLE = (
-    ("conv1d", FILTERED, _conv1d, "x w b", "x w", {}),
-    ("transpose_filters", BANK, arguments_of({"w": _BANK}, {}), "w", "w", SELECTS),
-    ("max_pool", PAIRS | EXTREME, _pool, "x", "", SELECTS | {"without_ties": WITHOUT_TIES}),
-    ("unpool_even", WINDOW | EXTREME, arguments_of({"y": _WINDOW}, {}), "y", "y", SELECTS),
-    ("unpool_random", WINDOW | EXTREME, _unpool_random, "y", "y", SELECTS),
-    ("tanh", ANY_SHAPE | CLASSES, _elementwise("x"), "x", "", SATURATES | ELEMENTWISE),
-    ("sigmoid", ANY_SHAPE | CLASSES, _elementwise("x"), "x", "", SATURATES | ELEMENTWISE),
-    ("arctanh", ANY_SHAPE | AT_BOUNDS, _arctanh, "y", "", ELEMENTWISE),
-    ("linear", LINEAR, _linear, "x w b", "x w", {}),
-    ("gru_step", GRU, _gru, "x h w u b c", "", SATURATES),
-    ("gru", GRU | FRAMES, _gru, "x h0 w u b c", "", SATURATES | SHORTER),
-    ("mean_squared_error", ANY_SHAPE | CLASSES, _mean_squared_error, "x_hat", "", {}),
-    ("mean_absolute", ANY_SHAPE | EXTREME, _elementwise("y"), "y", "", SELECTS),
-    ("tied_layer", FILTERED, _conv1d, "x w b", "", SATURATES),
-    ("sliced_wasserstein", POINTS | CLASSES, _sliced_wasserstein, "z", "", POINTS_ALIKE),
-)
-
-
-OPERATIONS: dict[str, Operation] = {
-    name: Operation(
-        name,
-        with_each_array(sizes, arguments),
-        arguments,
-        tuple(differentiated.split()),
-        linear_in=tuple(linear_in.split()),
-        reference=getattr(ops, name, tied_layer),  # for the code of others; that of ops: by loops
-        **others,
-    )
-    for name, sizes, arguments, differentiated, linear_in, others in _TABLE
+_MASKED = dict.fromkeys(("y", "first"), "batch frames channels")
+_DRAWN = {
+    "unpool_random": arguments_of(_MASKED, {"first": _mask}),
+    "arctanh": _arctanh,
+    "gru_step": _gru,
+    "gru": _gru,
+    "mean_squared_error": _mean_squared_error,
+    "sliced_wasserstein": _sliced_wasserstein,
 }
+"""How the arguments of an operation are drawn, if not by their shapes alone."""
+
+
+def _operation(name: str, row: Mapping) -> Operation:
+    """The operation that a row of the table describes."""
+    arguments = _DRAWN.get(name) or arguments_of(row["shapes"], {})
+    without_ties = row.get("without_ties")
+    alike = {"alike": _mean_of_equal_points} if name == "sliced_wasserstein" else {}
+    return Operation(
+        name,
+        with_each_array(sizes_of(row["sizes"]), arguments),
+        arguments,
+        tuple(row["differentiated"].split()),
+        linear_in=tuple(row.get("linear_in", "").split()),
+        reference=getattr(ops, name, tied_layer),  # for the code of others; that of ops: by loops
+        saturates=row.get("saturates", False),
+        floor=row["floor"] * float(np.finfo(float).eps) if "floor" in row else None,
+        without_ties={"values": tuple(without_ties)} if without_ties else {},
+        longer=LONG | sizes_of(row.get("longer", {})),
+        **alike,
+    )
+
+
+OPERATIONS = {name: _operation(name, row) for name, row in TABLE["operations"].items()}

@@ -1,7 +1,7 @@
 """Properties of single operations: shifts, ties, empty slots, bounds, order, time.
 
-Where a property says what the definition returns for one class of values, it is a row of
-`COMPARED`; the others are functions, in the table `STATED`.
+They are rows of the table `operations.toml`. Where a property says what the definition returns for
+one class of values, it has no findings of its own.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,23 +13,21 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.operation import TIED, WITHOUT_TIES, Operation
-from numpy_cae.verify.operations.property import UPSTREAM, Finding, Findings, Property
+from numpy_cae.verify.operations.operation import TABLE, Operation, sizes_of
+from numpy_cae.verify.operations.property import Finding, Findings, Property
 
 WIDE_BOUND = 0.99
 
 
 def single_properties(operation: Operation) -> Iterator[Property]:
     """The properties that only this operation has."""
-    for names, name, statement, values in COMPARED:
-        if operation.name in names.split():
-            yield comparing.property_of(
-                operation, name, statement, comparing.compared, UPSTREAM | {"values": values}
-            )
-    for names, name, statement, drawn, sizes in STATED:
-        if operation.name in names.split():
-            findings = partial(_with_arguments, drawn)
-            yield comparing.property_of(operation, name, statement, findings, UPSTREAM | sizes)
+    for row in TABLE["properties"]:
+        if operation.name in row["operations"].split():
+            drawn = FINDINGS.get(row.get("findings"))
+            findings = partial(_with_arguments, drawn) if drawn else comparing.compared
+            classes = comparing.UPSTREAM | sizes_of(row.get("sizes", {}))
+            stated = row["name"], row["statement"]
+            yield comparing.property_of(operation, *stated, findings, classes)
 
 
 def _with_arguments(
@@ -37,23 +35,6 @@ def _with_arguments(
 ) -> Findings:
     """The findings for an implementation, a case and its arguments by name."""
     return drawn(implementation, case, **operation.arguments(case))
-
-
-SATURATED = "at ±1000 it is saturated: its limits, a gradient of 0, no overflow into nan"
-BEYOND = "beyond the bound the value is arctanh(±bound) and the gradient exactly 0"
-TIES = "a tie goes to the earlier frame, value and whole gradient"
-LOSER = "the smaller frame's gradient is exactly 0"
-AT_ZERO = "at y = 0 the gradient is exactly 0"
-FEW_POINTS = {"points": (1, 2, 3, 4, 5), "dimensions": (1,)}
-LOSSES = "mean_squared_error mean_absolute sliced_wasserstein"
-COMPARED = (
-    ("max_pool", "ties", TIES, TIED),
-    ("max_pool", "loser", LOSER, WITHOUT_TIES["values"]),
-    ("tanh sigmoid", "large inputs", SATURATED, ("huge",)),
-    ("arctanh", "beyond the bound", BEYOND, ("bound", "large", "huge")),
-    ("mean_absolute", "zero at zero", AT_ZERO, ("zeros", "signed zeros")),
-)
-"""Operations, name, statement, and the classes of values."""
 
 
 def _shift(conv1d, case, x, w, b):
@@ -137,25 +118,8 @@ def _one_by_default(loss, case, **arguments):
         )
 
 
-SHIFT = "away from the edges, a frame's delay of x delays y by a frame"
-INVERSE = "arctanh ∘ tanh is the identity inside the bound, its derivative too"
-ZERO = "where x_hat equals x, loss and gradient are exactly 0"
-EQUAL = "between equal sets distance and gradient are 0"
-CHEAPEST = "in one dimension it is the cheapest assignment on squared costs, mean over points"
-DEFAULT = "called without the upstream number, the pullback takes it to be 1"
-TIME = {"frames": (2, 3, 4, 9)}
-STATED = (
-    ("conv1d", "shift in time", SHIFT, _shift, {"frames": (8, 9, 10), "taps": (1, 3, 5)}),
-    ("transpose_filters", "own inverse", "transposing twice changes nothing", _own_inverse, {}),
-    ("unpool_even unpool_random", "pair sums", "both frames of a pair sum to y", _pair_sums, {}),
-    ("unpool_random", "empty slot", "the other frame of the pair is exactly 0", _empty_slot, {}),
-    ("arctanh", "inverse of tanh", INVERSE, _inverse_of_tanh, {}),
-    ("gru", "causality", "no frame depends on a later one", _causality, TIME),
-    ("gru", "kept state", "a sequence in two pieces is the whole one", _kept_state, TIME),
-    ("mean_squared_error", "zero at the target", ZERO, _zero_at_the_target, {}),
-    ("sliced_wasserstein", "equal sets", EQUAL, _equal_sets, {}),
-    ("sliced_wasserstein", "order", "the order of the points does not matter", _order, {}),
-    ("sliced_wasserstein", "optimal assignment", CHEAPEST, _assignment, FEW_POINTS),
-    (LOSSES, "upstream default", DEFAULT, _one_by_default, {}),
-)
-"""Operations, name, statement, findings, and sizes in place of the operation's own."""
+_OF_SEQUENCES = (_shift, _causality, _kept_state, _pair_sums, _empty_slot, _own_inverse)
+_OF_POINTS = (_equal_sets, _order, _assignment)
+_OTHERS = (_inverse_of_tanh, _zero_at_the_target, _one_by_default)
+FINDINGS = {f.__name__[1:]: f for f in (*_OF_SEQUENCES, *_OF_POINTS, *_OTHERS)}
+"""FINDINGS: the functions above by the name that a row of the table calls them."""
