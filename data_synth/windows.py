@@ -6,10 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from data_synth.series import Plan, plan_takes
-from numpy_cae.mocap import body_of
 from numpy_cae.motion import bone_lengths, change_lengths, cut_windows, positions_to_features
 
 _RATE = 30.0
+_BODY = (
+    "root upperback thorax head lclavicle lhumerus lradius lwrist rclavicle rhumerus rradius "
+    "rwrist lfemur ltibia lfoot ltoes rfemur rtibia rfoot rtoes"
+).split()
+"""_BODY: the names of `numpy_cae.motion.JOINTS` in the skeleton of a take."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,8 @@ def windows_of(plans: Sequence[Plan], length: int = 160, overlap: int = 80) -> W
     bodies, named = [], []
     for plan in plans:
         take = plan.make(_RATE)
-        bodies.append(body_of(take.motion))
+        joints = [take.motion.skeleton.index(name) for name in _BODY]
+        bodies.append(take.motion.positions(joints))
         named.append((take.kind, take.style, plan.number))
     own = [bone_lengths(body) for body in bodies]
     wanted = np.mean(own, axis=0)

@@ -72,14 +72,10 @@ def test_the_root_imports_nothing_of_the_packages():
             assert {layer_of(name) for name in imported_modules(path)} <= {ROOT_LAYER}, path
 
 
-FILES_AND_RIGS = ("__main__.py", "write_series.py", "windows.py")
-"""Modules of data_synth that write files, or find the twenty joints of a take."""
-
-
-def test_data_synth_needs_arrays_only_but_for_files_and_rigs():
+def test_data_synth_needs_arrays_only_and_writes_files_in_one_module():
     for path in python_files("data_synth"):
         used = {name.split(".")[1] for name in imported_modules(path) if "numpy_cae." in name}
-        more = {"mocap", "atomic_write"} if path.name in FILES_AND_RIGS else set()
+        more = {"mocap", "atomic_write"} if path.name == "write_series.py" else set()
         assert used <= {"motion"} | more, path
 
 

@@ -6,7 +6,6 @@ from itertools import permutations
 import numpy as np
 import pytest
 from acclaim_files import AMC, ASF
-from plain_bvh import about
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import MotionFileError, load_motion
@@ -26,10 +25,7 @@ def read_pair(tmp_path):
 
 def fixed(order: str, *angles: float) -> np.ndarray:
     """Rotations about fixed axes, the first letter's first."""
-    turned = np.eye(3)
-    for axis, angle in zip(order, angles, strict=True):
-        turned = about(axis, angle) @ turned
-    return turned
+    return Rotation.from_euler(order, angles, degrees=True).as_matrix()
 
 
 def test_positions_are_those_of_explicit_matrices(read_pair):
