@@ -20,25 +20,21 @@ class PlainJoint:
 
 def bvh_text(joints: list[PlainJoint], values: list[list[float]], time: str = "0.025") -> str:
     """The file as text, joints depth first as they come."""
-    lines = ["HIERARCHY"]
 
-    def write(index: int) -> None:
+    def words(values: list) -> str:
+        return " ".join(map(str, values))
+
+    def block(index: int) -> str:
         joint = joints[index]
-        lines.append(("ROOT " if index == 0 else "JOINT ") + joint.name)
-        lines.append("{")
-        lines.append("OFFSET " + " ".join(map(repr, joint.offset)))
-        lines.append(" ".join(["CHANNELS", str(len(joint.channels)), *joint.channels]))
-        if joint.tip is not None:
-            lines.extend(["End Site", "{", "OFFSET " + " ".join(map(repr, joint.tip)), "}"])
-        for child, other in enumerate(joints):
-            if other.parent == index:
-                write(child)
-        lines.append("}")
+        tip = f"End Site\n{{\nOFFSET {words(joint.tip)}\n}}\n" if joint.tip is not None else ""
+        below = [block(child) for child, other in enumerate(joints) if other.parent == index]
+        return (
+            f"{'JOINT' if index else 'ROOT'} {joint.name}\n{{\nOFFSET {words(joint.offset)}\n"
+            f"CHANNELS {words([len(joint.channels), *joint.channels])}\n{tip}{''.join(below)}}}\n"
+        )
 
-    write(0)
-    lines.extend(["MOTION", f"Frames: {len(values)}", f"Frame Time: {time}"])
-    lines.extend(" ".join(map(repr, row)) for row in values)
-    return "\n".join(lines) + "\n"
+    rows = "".join(words(row) + "\n" for row in values)
+    return f"HIERARCHY\n{block(0)}MOTION\nFrames: {len(values)}\nFrame Time: {time}\n{rows}"
 
 
 def about(axis: str, degrees: float) -> np.ndarray:
@@ -49,21 +45,17 @@ def plain_positions(joints: list[PlainJoint], values: list[list[float]]) -> np.n
     """(frames, joints, 3) in units of the file."""
     frames = []
     for row in values:
-        queue = list(row)
-        turned, places = [], []
+        queue = iter(row)
+        turned, places = [np.eye(3)], [np.zeros(3)]  # of the world, the parent of the root
         for joint in joints:
             local, reach = np.eye(3), np.array(joint.offset, dtype=float)
-            for channel in joint.channels:
-                value = queue.pop(0)
+            for channel, value in zip(joint.channels, queue, strict=False):
                 if channel.lower().endswith("position"):
                     reach["xyz".index(channel[0].lower())] = value
                 else:
                     local = local @ about(channel[0], value)
-            if joint.parent < 0:
-                turned.append(local)
-                places.append(reach)
-            else:
-                turned.append(turned[joint.parent] @ local)
-                places.append(places[joint.parent] + turned[joint.parent] @ reach)
-        frames.append(places)
+            parent = joint.parent + 1
+            places.append(places[parent] + turned[parent] @ reach)
+            turned.append(turned[parent] @ local)
+        frames.append(places[1:])
     return np.array(frames)
