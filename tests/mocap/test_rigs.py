@@ -184,3 +184,11 @@ def test_a_doubtful_rig_without_shoulders_is_read(tmp_path):
     names = dict(zip(JOINTS, names_in("Bandai"), strict=True))
     write_bvh(person(lambda x: names[x].replace("Upper", ""), (), LENGTHS**3), tmp_path / "a.bvh")
     assert "not recognised" in load_motion(tmp_path / "a.bvh").note
+
+
+def test_an_animal_with_a_persons_names_is_doubted():
+    dog = person(str)
+    legs = [n for n, joint in enumerate(JOINTS) if joint.endswith(("knee", "ankle", "toe"))]
+    dog.skeleton.offsets[legs] = dog.skeleton.offsets[legs][:, [0, 2, 1]]  # square to the trunk
+    dog = replace(dog, translations=np.tile(dog.skeleton.offsets, (4, 1, 1)))
+    assert "is this a person? neither the rest pose nor most" in recognised(dog).note

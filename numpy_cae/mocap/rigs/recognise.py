@@ -225,6 +225,9 @@ def joint_index(name: str, motion: Motion) -> int:
 UNEQUAL = 1.5
 """UNEQUAL: the bones of a left and a right limb differ by at most this factor. A program that
 estimates a pose from one video frame gives them different lengths."""
+LEG_COSINE = 0.5
+"""LEG_COSINE: where a person stands, the direction from the hips to the ankles and that from the
+chest to the hips have at least this cosine."""
 RATIOS = {
     "thigh to shin": ("knee", "ankle", 0.6, 1.7),
     "upper arm to forearm": ("elbow", "wrist", 0.6, 2.2),
@@ -308,8 +311,9 @@ def _length_problem(at: dict[str, np.ndarray], lengths: np.ndarray) -> str:
 
 def _stands(at: dict[str, np.ndarray]) -> np.ndarray:
     """Whether, along the line from hips to chest, the ankles are below the hips and the head is
-    above the chest, (N,)."""
+    above the chest, (N,). An animal's hind legs are square to that line in every pose."""
     trunk = at["chest"] - at["hips"]
     ankles = (at["left_ankle"] + at["right_ankle"]) / 2 - at["hips"]
     head = at["head"] - at["chest"]
-    return (np.sum(ankles * trunk, axis=-1) < 0) & (np.sum(head * trunk, axis=-1) > 0)
+    straight = -LEG_COSINE * np.linalg.norm(ankles, axis=-1) * np.linalg.norm(trunk, axis=-1)
+    return (np.sum(ankles * trunk, axis=-1) < straight) & (np.sum(head * trunk, axis=-1) > 0)
