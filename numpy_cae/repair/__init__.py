@@ -14,7 +14,6 @@ from numpy_cae.repair.presets import PRESETS, Preset
 from numpy_cae.repair.project_motion import project_motion
 from numpy_cae.repair.repair import fill_motion, repair
 from numpy_cae.repair.repaired import Repaired
-from numpy_cae.repair.unlikely import find_unlikely
 
 
 class _CallablePackage(ModuleType):

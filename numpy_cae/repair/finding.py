@@ -29,7 +29,7 @@ from numpy_cae.motion.motion import Motion
 KINDS = (
     *("T-pose", "root elsewhere", "turned", "limb turned", "displaced", "spike", "length"),
     *("repeated", "frozen"),
-    *("not finite", "jumps", "jitter", "foot", "unlikely", "marked"),
+    *("not finite", "jumps", "jitter", "foot", "marked"),
 )
 """Kinds of findings:
 
@@ -47,7 +47,6 @@ KINDS = (
 - jitter: noise in every frame
 - foot: a foot that stands slides, or is in the floor or above it; of the body, the root does not
   move as the feet do
-- unlikely: the manifold has another pose there
 - marked: the user says so
 """
 BODY = "body"
@@ -56,7 +55,7 @@ OF_ONE_JOINT = ("turned", "displaced", "length", "root elsewhere")
 """OF_ONE_JOINT: findings of these kinds are about one joint, in some of the frames."""
 JOINTS_OF_KIND = {
     **dict.fromkeys(("T-pose", "jitter", "repeated"), (BODY,)),
-    **dict.fromkeys(("jumps", "unlikely", "marked"), (BODY, *JOINTS)),
+    **dict.fromkeys(("jumps", "marked"), (BODY, *JOINTS)),
     "foot": (BODY, "left_toe", "right_toe"),
     "limb turned": ("left_hip", "right_hip", "left_shoulder", "right_shoulder"),
 }

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from numpy_cae.manifold.fill import fill
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body, at_rate_of, body_of
 from numpy_cae.mocap.retarget.to_rig import retarget
@@ -12,6 +13,7 @@ from numpy_cae.motion.features import (
     bone_lengths,
     change_lengths,
     features_to_positions,
+    local_positions,
     positions_to_features,
 )
 from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
@@ -19,7 +21,6 @@ from numpy_cae.motion.masks import at_thirty
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.repair.finding import Finding
 from numpy_cae.repair.interpolated import interpolate_channels, missing_joints, on_curves
-from numpy_cae.repair.unlikely import residual
 
 
 class Holes:
@@ -67,7 +68,9 @@ class Holes:
         """The median distance of a joint outside the holes from its projection, metres."""
         if self.mask.all():
             return 0.0
-        distance = np.linalg.norm(residual(manifold, self.features, self.mask), axis=-1)
+        filled = fill(manifold, self.features, self.mask)
+        projected = manifold.project(filled, average_shifts=True)
+        distance = np.linalg.norm(local_positions(self.features - projected), axis=-1)
         return float(np.median(distance[~self.mask]))
 
     def filled(self, features: np.ndarray) -> Motion:

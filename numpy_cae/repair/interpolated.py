@@ -29,7 +29,7 @@ ROTATION_KINDS = ("spike", "displaced", "frozen")
 """ROTATION_KINDS: findings of these kinds say that the joint's rotation is damaged."""
 TRANSLATION_KINDS = ("length", "root elsewhere")
 """TRANSLATION_KINDS: findings of these kinds say that the joint's translation is damaged."""
-POSITION_KINDS = ("marked", "unlikely")
+POSITION_KINDS = ("marked",)
 """POSITION_KINDS: findings of these kinds say that one of the twenty joints is at a wrong
 position."""
 

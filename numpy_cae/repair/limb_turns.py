@@ -57,8 +57,8 @@ hour of noise has a hundred times as many."""
 MOST_ASKED = 40
 """MOST_ASKED: the manifold is asked so often about a limb at most."""
 MOST_LEVEL = 1.3
-"""MOST_LEVEL: the manifold is asked only if the file's own evidence is within this factor of its
-thresholds."""
+"""MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
+is not, the manifold is not asked."""
 AROUND_SECONDS = 2.5
 """AROUND_SECONDS: the manifold fills in a limb from the motion up to this time (s) around."""
 ROUGH_SHARE = 0.95
@@ -126,7 +126,7 @@ class Turn(NamedTuple):
 
 
 def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold) -> list[Finding]:
-    """Findings of the kind "limb turned".
+    """Findings of the kind "limb turned"; with less evidence they are proposed.
 
     Examples
     --------
@@ -146,13 +146,15 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
         taken: list[Turn] = []
         for turns in _alternatives(sparse, name):
             turn, level = _best(sparse, manifold, name, turns)
-            if level >= 2 * sensitivity or any(turn.overlap(other) > 0 for other in taken):
+            if level >= MOST_LEVEL or any(turn.overlap(other) > 0 for other in taken):
                 continue
             taken.append(turn)
             degrees = np.degrees(np.linalg.norm(turn.vector))
             why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
             frames = (turn.first * step + 1, turn.end * step - 1)
-            found.append(Finding(name, frames, "limb turned", why, 0.0, confidence(1 / level)))
+            status = "repaired" if level < 2 * sensitivity else "proposed"
+            sure = confidence(1 / level)
+            found.append(Finding(name, frames, "limb turned", why, 0.0, sure, status))
     return found
 
 

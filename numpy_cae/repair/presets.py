@@ -9,7 +9,6 @@ from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import body_size
-from numpy_cae.repair.finding import Finding
 from numpy_cae.repair.interpolated import with_finite_values
 from numpy_cae.repair.jumps import sharp_steps
 
@@ -48,10 +47,6 @@ class Preset:
     def __post_init__(self) -> None:
         if not 0 < self.sensitivity <= 1:
             raise ValueError(f"sensitivity is {self.sensitivity}, expected above 0 and at most 1")
-
-    def is_sure(self, finding: Finding) -> bool:
-        """Whether a finding is mended."""
-        return finding.confidence >= 1 - self.sensitivity
 
     def __str__(self) -> str:
         parts = [f"sensitivity {self.sensitivity:g}"]

@@ -50,7 +50,6 @@ from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
 from numpy_cae.repair.spikes import find_spikes
 from numpy_cae.repair.still import find_still, find_t_pose
 from numpy_cae.repair.trials import chosen
-from numpy_cae.repair.unlikely import find_unlikely
 
 UNKNOWN_METRES = 0.12
 """UNKNOWN_METRES: a motion is unlike what the manifold knows if its residual exceeds this (m),
@@ -108,10 +107,10 @@ def repair(
 ) -> Repaired:
     """Find what is damaged in a motion and mend it; the rest of the motion is unchanged.
 
-    What the file itself shows is mended first, without the manifold, by `STEPS`. The manifold then
-    corrects what was interpolated for long. What only the manifold says is proposed. A motion that
-    is unlike what the manifold knows (`Repaired.known` False) gets the first part, and from the
-    manifold only what is marked.
+    What the file itself shows is mended first, by `STEPS`, of which one asks the manifold too. The
+    manifold then corrects what was interpolated for long. What is less certain is proposed. In a
+    motion that is unlike what the manifold knows (`Repaired.known` False) it corrects only what is
+    marked.
 
     Parameters
     ----------
@@ -161,7 +160,7 @@ def repair(
     found += shifted(broken, -first)
     residual = 0.0
     if manifold is not None:
-        mended, found, residual = complete_holes(mended, manifold, found, preset, rest is None)
+        mended, residual = complete_holes(mended, manifold, found)
     found = [*t_pose, *shifted(found, first)]
     repaired = repaired_of(finite, joined(finite.at(slice(first)), mended), found, broken)
     repaired = replace(
@@ -237,14 +236,18 @@ def _mended_if_better(
 ) -> tuple[Motion, list[Finding]]:
     """The motion after a step, and its findings. Where feet slide more or joints jump more, the
     findings in the legs are left; where that does not help, all are."""
-    legs = [finding for finding in damage if finding.joint in LEG_JOINTS]
-    others = [finding for finding in damage if finding.joint not in LEG_JOINTS]
-    for some in (damage, others, legs) if legs and others else (damage,):
+    sure = [finding for finding in damage if finding.status == "repaired"]
+    legs = [finding for finding in sure if finding.joint in LEG_JOINTS]
+    others = [finding for finding in sure if finding.joint not in LEG_JOINTS]
+    done: list[Finding] = []
+    for some in (sure, others, legs) if legs and others else (sure,):
         mended = step.mend(motion, some) if some else motion
         if some and is_better(mended, motion, some, step):
-            left = [replace(finding, status="left") for finding in damage if finding not in some]
-            return mended, some + left
-    return motion, [replace(finding, status="left") for finding in damage]
+            motion = mended
+            done = some
+            break
+    left = [replace(finding, status="left") for finding in sure if finding not in done]
+    return motion, done + left + [finding for finding in damage if finding not in sure]
 
 
 def is_better(after: Motion, before: Motion, damage: list[Finding], step: Step) -> bool:
@@ -306,32 +309,20 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
 
 
 def complete_holes(
-    motion: Motion,
-    manifold: MotionManifold,
-    found: list[Finding],
-    preset: Preset,
-    looks: bool,
-) -> tuple[Motion, list[Finding], float]:
-    """The motion with the holes of findings filled in by the manifold, all findings, and the
-    typical distance (m) of the motion from the manifold.
+    motion: Motion, manifold: MotionManifold, found: list[Finding]
+) -> tuple[Motion, float]:
+    """The motion with the holes of findings filled in by the manifold, and the typical distance (m)
+    of the motion from the manifold.
 
-    If it `looks`, the manifold is also asked what is unlikely, and what is sure enough is filled in
-    too. A motion that is unlike what the manifold knows gets only what the user marked.
+    A motion that is unlike what the manifold knows gets only what the user marked.
     """
     manifold = manifold.remembering()
     body = Body(motion, manifold.lengths)
     filled = [finding for finding in found if _is_filled(finding, motion.rate)]
-    holes = holes_of(body, filled)
-    residual = holes.typical_residual(manifold)
-    unlikely: list[Finding] = []
+    residual = holes_of(body, filled).typical_residual(manifold)
     if residual > UNKNOWN_METRES:
         filled = [finding for finding in filled if finding.kind in POSITION_KINDS]
-    elif looks:
-        for finding in find_unlikely(manifold, body, holes.in_file):
-            sure = preset.is_sure(finding)
-            unlikely.append(replace(finding, status="repaired") if sure else finding)
-        filled += [finding for finding in unlikely if finding.status == "repaired"]
-    return filled_by(manifold, body, filled), found + unlikely, residual
+    return filled_by(manifold, body, filled), residual
 
 
 def filled_by(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:

@@ -10,11 +10,10 @@ from scipy.spatial.transform import Rotation
 from data_synth import make_take
 from numpy_cae.manifold import starter
 from numpy_cae.mocap import body_positions
-from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
-from numpy_cae.repair import PRESETS, Finding, Preset, find_unlikely, repair
+from numpy_cae.repair import PRESETS, Finding, Preset, repair
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import is_path
 from numpy_cae.repair.jumps import jumping_steps
@@ -291,8 +290,6 @@ def test_a_pose_that_begins_and_ends_smoothly_and_lasts_is_no_damage(manifold):
     kneels = turned(motion, {"lfemur": -0.5 * degrees, "ltibia": degrees}, "x")
     repaired = repair(kneels, manifold)
     assert not repaired.touched.any()
-    assert all("at neither end" in finding.evidence for finding in repaired.proposed)
-    assert find_unlikely(manifold, Body(kneels, manifold.lengths)) == list(repaired.proposed)
 
 
 def test_an_unknown_motion_gets_what_needs_no_manifold(manifold):
