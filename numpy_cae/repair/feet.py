@@ -124,7 +124,8 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
         slides = slides_after
         jumps = jumps_after
         stances = _stances(*_toes(motion), motion.rate, travels)
-    return unchanged if travels and slides > _sliding(unchanged) else motion
+    worse = slides > _sliding(unchanged) or jumps.sum() > _jumps(unchanged).sum()
+    return unchanged if travels and worse else motion
 
 
 def _sliding(motion: Motion) -> float:
