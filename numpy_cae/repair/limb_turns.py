@@ -6,7 +6,8 @@ its parent's, has
     R'_t = R_t exp(s_t w)    or    R'_t = exp(s_t w) R_t
 
 where s rises from 0 to 1 within a few frames, and later falls back. A kick or a gesture changes a
-rotation as fast. Therefore each of these is asked, and each has a threshold:
+rotation as fast. Therefore each of these is asked, and each has a threshold. The first two, of the
+file, and the last two, of the manifold, may make up for each other a little (`WEAKEST`):
 
 - undone, the turn leaves smaller accelerations while s rises and falls (`ROUGH_SHARE`)
 - the other joints move little meanwhile (`OTHERS_SHARE`), the elbow or knee too (`BEND_SHARE`)
@@ -59,6 +60,9 @@ MOST_ASKED = 40
 MOST_LEVEL = 1.3
 """MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
 is not, the manifold is not asked."""
+WEAKEST = 1.6
+"""WEAKEST: strong evidence of the file makes up for weak evidence of the manifold, and the other
+way round, but no share may exceed its threshold by more than this factor."""
 AROUND_SECONDS = 2.5
 """AROUND_SECONDS: the manifold fills in a limb from the motion up to this time (s) around."""
 ROUGH_SHARE = 0.95
@@ -196,11 +200,12 @@ def _at_about_thirty(motion: Motion) -> tuple[Motion, int]:
 def _best(
     motion: Motion, manifold: MotionManifold, name: str, turns: list[Turn]
 ) -> tuple[Turn, float]:
-    """Of some alternatives the one with the most evidence, and the largest of its shares, each
-    divided by its threshold: below 1 the evidence is strong enough."""
+    """Of some alternatives the one with the most evidence, and its level: the geometric mean of the
+    levels of the file and of the manifold. Below 1 the evidence is strong enough."""
     of_model = _levels_of_model(motion, manifold, name, turns)
     of_file = [_level_in_file(motion, name, turn) for turn in turns]
-    levels = np.maximum(of_model, of_file)
+    both = np.sqrt(np.multiply(of_model, of_file))
+    levels = np.maximum(both, np.maximum(of_model, of_file) / WEAKEST)
     best = int(np.argmin(levels))
     caution = ARM_CAUTION if name.endswith("shoulder") else 1.0
     return turns[best], caution * float(levels[best])
