@@ -17,16 +17,6 @@ def judged(f, *inputs, **options):
     return ""
 
 
-def test_accepts_right_pullbacks_scalar_losses_and_large_inputs():
-    rng = np.random.default_rng(0)
-    x_hat, x = rng.standard_normal((2, 3, 4, 5))
-    check_gradients(lambda x_hat: ops.mean_squared_error(x_hat, x), x_hat)
-    for frames, channels, taps, filters in ((6, 3, 5, 2), (40, 12, 15, 20)):
-        x = rng.standard_normal((4, frames, channels))
-        w = rng.standard_normal((taps, channels, filters)) * 0.05
-        check_gradients(ops.conv1d, x, w, rng.standard_normal(filters))
-
-
 @pytest.mark.parametrize(
     ("shape", "index", "error"),
     [((5, 20, 3), (3, 7, 1), 0.5), ((3, 4), (1, 2), 0.5), ((3, 4), (1, 2), 1e-5)],
@@ -43,17 +33,6 @@ def test_finds_one_wrong_entry_and_shows_both_numbers(shape, index, error):
     problem = judged(sine, np.random.default_rng(0).uniform(-1, 1, shape))
     assert f"the gradient for x, shape {shape}, is wrong at index {index}" in problem
     assert "by the pullback" in problem and "by central differences" in problem
-
-
-@pytest.mark.parametrize("near", [0.0, 1e-9])
-def test_excuses_one_kink_but_not_a_wrong_slope_there(near):
-    x = np.random.default_rng(0).standard_normal(30)
-    x[4] = near
-    check_gradients(lambda x: (np.abs(x), lambda dy: dy * np.sign(x)), x)
-    with pytest.raises(AssertionError, match=r"index \(4,\)"):
-        check_gradients(
-            lambda x: (np.abs(x), lambda dy: dy * np.where(x == near, 3, np.sign(x))), x
-        )
 
 
 def test_does_not_excuse_many_kinks():
@@ -99,19 +78,6 @@ def test_an_array_of_floats_is_wanted_and_what_is_none_may_get_none():
     assert "x must be an array of float64 or float32, not of complex128" in judged(
         scale, np.ones(2) + 1j, 3
     )
-
-
-def test_a_pullback_that_returns_something_else_when_called_again_is_told_so():
-    total = np.zeros(2)
-
-    def accumulating(x):
-        def pullback(dy):
-            total[:] += 2 * dy
-            return total.copy()
-
-        return x * 2, pullback
-
-    assert "does not return -4 times the gradients" in judged(accumulating, np.ones(2))
 
 
 def test_a_number_and_parameters_in_lists_and_dicts_are_checked_and_integers_refused():
@@ -164,14 +130,6 @@ def test_adjoint_of_the_unpooling_holds_and_of_half_of_it_does_not():
     check_adjoint(ops.unpool_even, y, dx)
     with pytest.raises(AssertionError, match="not the adjoint"):
         check_adjoint(lambda y: (np.repeat(y / 2, 2, axis=1), lambda dx: dx[:, ::2]), y, dx)
-
-
-def test_adjoint_wants_shapes_that_fit():
-    y, dx = np.ones((2, 4, 3)), np.ones((2, 8, 3))
-    with pytest.raises(AssertionError, match=r"value has shape \(2, 8, 3\), expected \(2, 4, 3\)"):
-        check_adjoint(ops.unpool_even, y, y)
-    with pytest.raises(AssertionError, match=r"pullback returns has shape \(2, 8, 3\), expected"):
-        check_adjoint(lambda y: (np.repeat(y, 2, axis=1), lambda dx: dx), y, dx)
 
 
 def test_names_of_arguments_come_from_the_caller_or_from_f_and_choose_what_is_checked():

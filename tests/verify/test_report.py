@@ -27,7 +27,6 @@ def test_a_report_shows_points_counterexample_and_mistake():
     assert text.splitlines()[0].startswith("my_conv1d as conv1d")
     assert text.splitlines()[0].endswith("6 of 17 points")
     assert "FAILED  gradient for b" in text and "hold: value, gradient for x" in text
-    assert repr(report) == text
     assert max(map(len, text.splitlines())) <= 100
 
 
@@ -65,10 +64,6 @@ def test_what_does_not_return_an_operation_is_told_so(tanh, complaint):
     assert complaint in problem_of("tanh", "gradient for x", tanh)
 
 
-def test_a_result_of_a_wrong_shape_that_goes_in_again_is_reported():
-    assert "IndexError" in problem_of("transpose_filters", "own inverse", lambda w: w[0])
-
-
 def off_by_little(x):
     y, pullback = ops.tanh(x)
     return (
@@ -83,19 +78,12 @@ def test_numbers_have_the_digits_that_differ_and_the_worst_entry_is_shown():
     assert 1e-9 < abs(float(number) - float(expected)) < 3e-8
 
 
-def test_both_upstream_gradients_of_linearity_are_shown_and_the_finding_is_kept():
+def test_both_upstream_gradients_of_linearity_are_shown():
     tried = next(each for each in verify.properties("tanh") if each.name == "linearity")
     outcome = try_property(
         tried, lambda x: (np.tanh(x), lambda dy: abs(dy) * (1 - np.tanh(x) ** 2))
     )
     assert "dy = [[[" in outcome.counterexample and "\ndy' = [[[" in outcome.counterexample
-
-    def masked(x):
-        y, pullback = ops.tanh(x)
-        return np.where(x == 0.5, 0, y), pullback
-
-    value = try_property(verify.properties("tanh")[0], masked)
-    assert value.problem.startswith("the value is 0 at index")
 
 
 def naive_sigmoid(x):
@@ -120,14 +108,3 @@ def test_an_overflow_is_a_note_of_every_check_and_costs_nothing():
     ):
         with pytest.raises(AssertionError, match=overflow):
             check()
-
-
-def test_a_pullback_that_remembers_its_first_result_is_not_said_to_have_one_buffer():
-    def tanh(x):
-        y, pullback = ops.tanh(x)
-        remembered = {}
-        return y, lambda dy: remembered.setdefault("dx", pullback(dy))
-
-    failed = [o for o in verify.report("tanh", tanh).outcomes if not o.held]
-    assert "independence" in [o.stated.name for o in failed]
-    assert {o.mistake for o in failed} == {""}
