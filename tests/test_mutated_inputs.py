@@ -18,7 +18,7 @@ from numpy_cae.errors import NumpyCaeError
 from numpy_cae.repair import repair
 
 WALK = make_take("walk", 0, 2.0, 30.0).motion
-RATES = 24, 60, 100, 120, 240, 500, 1000, 10_000
+RATES = 24, 60, 100, 120, 240, 500, 1000, 2000
 ROSTERS = [
     "student\nann\nbob\n",
     "Identifier;Full name;ID number\nParticipant 12;Ann Lee;\nParticipant 345;Bob É;\n",

@@ -28,8 +28,8 @@ def interpolated(x: np.ndarray, known: np.ndarray) -> np.ndarray:
     Examples
     --------
     >>> x = np.array([0.0, 9.0, 2.0, 9.0, 9.0, 5.0, 9.0]).reshape(1, 7, 1)
-    >>> interpolated(x, x < 9).ravel().round(3)
-    array([0.   , 1.   , 2.   , 3.   , 4.   , 5.   , 5.   ])
+    >>> interpolated(x, x < 9).ravel().round(3).tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0]
     """
     columns = x.swapaxes(1, 2).reshape(-1, x.shape[1])
     mask = known.swapaxes(1, 2).reshape(columns.shape)
