@@ -89,8 +89,9 @@ def test_only_the_safe_reader_loads_array_files():
     assert loading == {"array_file.py"}
 
 
-MOST_CODE = {"numpy_cae": 17100, "data_synth": 2200, "tests": 8710}
-"""Lines that hold code; docstrings, comments and blank lines are free."""
+MOST_CODE = {"numpy_cae": 16100, "data_synth": 2200, "tests": 8650}
+"""Lines that hold code; docstrings, comments and blank lines are free. The sums to be reached are
+14,500, 2,200 and 8,500."""
 
 
 def code_lines(path: Path) -> int:
