@@ -16,7 +16,7 @@ from numpy_cae.motion import POSITIONS, bone_lengths
 from numpy_cae.motion.features import TURN, VELOCITY, trajectory_of
 from numpy_cae.motion.filters import smooth_curve
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.repair import Preset, project_motion, repair
+from numpy_cae.repair import project_motion
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.project_motion import keep_trajectory
 
@@ -149,13 +149,6 @@ def test_smoothing_is_better_than_fixed_filters_and_keeps_clean_motion(coloured)
     others = savgol_filter(clean + noise, 7, 2, axis=0), sosfiltfilt(lowpass, clean + noise, axis=0)
     assert error(smooth(clean + noise)) < min(map(error, others))
     assert error(smooth(clean)) < 0.002
-
-
-def test_a_smoothed_motion_has_its_rig_and_less_jitter():
-    noisy = shaken(walk(2, 60.0), 0.01)
-    fixed = repair(noisy, None, preset=Preset(smooth=True))
-    assert fixed.motion.skeleton is noisy.skeleton
-    assert jitter(fixed.motion) < 0.2 * jitter(noisy)
 
 
 def test_a_long_repair_needs_little_more_memory_than_both_motions(untrained_manifold):
