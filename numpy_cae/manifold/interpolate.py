@@ -8,6 +8,7 @@ Hidden units lie within [-1, 1], and so do all points between them.
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY
 
 TRANSITION = "transition"
 """TRANSITION: the share that grows from 0 at the first frame to 1 at the last."""
@@ -71,3 +72,26 @@ def interpolate(
     nearest = np.clip(middles.round().astype(int), 0, frames - 1)
     s = shares(share, frames)[nearest].astype(one.dtype)
     return manifold.decode((1 - s) * one + s * other, frames)
+
+
+def with_path(
+    between: np.ndarray, first: np.ndarray, second: np.ndarray, share: float | str
+) -> np.ndarray:
+    """An interpolated motion on a path between those of the two motions.
+
+    The velocity and the turn of the body, and where the hips are above the path, are those of the
+    two motions, weighted by the share: what the network decodes varies more from frame to frame.
+    Arguments as in `interpolate`.
+    """
+    frames = len(between)
+    s = shares(share, frames)
+    if share == TRANSITION:  # slowly at both ends, where one motion has its whole acceleration
+        s = s * s * (3 - 2 * s)
+    on_path = between.copy()
+    pose = on_path[:, POSITIONS].reshape(frames, -1, 3)
+    hips = (1 - s) * first[:frames, :3] + s * second[:frames, :3]
+    pose[..., ::2] += (hips - on_path[:, :3])[:, None, ::2]
+    on_path[:, POSITIONS] = pose.reshape(frames, -1)
+    for part in (VELOCITY, TURN):
+        on_path[:, part] = (1 - s) * first[:frames, part] + s * second[:frames, part]
+    return on_path

@@ -17,6 +17,7 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,7 @@ def save_viewer(
     command: str = "",
     summary: Sequence[str] = (),
     measures: Sequence[tuple[str, float, float]] = (),
+    rows: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> None:
     """Write a page that plays motions side by side or overlaid, atomically.
 
@@ -78,8 +80,10 @@ def save_viewer(
         What the page says first.
     measures : sequence of (str, float, float)
         A name with its unit, and its value before and after.
+    rows : mapping of str to (F,) array of float
+        The name and the values, 0 to 1, of rows of bars below the slider.
     """
-    page = page_html(actors, rate, title, overlaid, findings, command)
+    page = page_html(actors, rate, title, overlaid, findings, command, rows)
     page = page.replace("</h1>", f"</h1>\n{_summary(summary, measures)}", 1)
     with atomic_write(path) as temporary:
         Path(temporary).write_text(page, encoding="utf-8")
@@ -127,6 +131,7 @@ def fragment(
     overlaid: bool = False,
     findings: Sequence[Mapping] = (),
     command: str = "",
+    rows: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> str:
     """The HTML of one viewer; the page needs `head` too. Arguments as in `save_viewer`; a viewer of
     the `style` "whole" fills its page, has the page's keys and follows #frame=58 in its address."""
@@ -143,6 +148,7 @@ def fragment(
         "motions": [_packed(actor, actors[0]) for actor in actors],
         "findings": list(findings),
         "command": visible(command),
+        "rows": {visible(name): np.round(values, 3).tolist() for name, values in rows.items()},
     }
     # "</script>" in a joint's name must not end the element.
     text = json.dumps(data).replace("<", "\\u003c")

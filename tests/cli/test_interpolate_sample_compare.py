@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.mocap import load_motion, write_bvh
+from numpy_cae.mocap import body_of, load_motion, write_bvh
 from numpy_cae.motion import JOINTS
 
 
@@ -31,6 +31,9 @@ def test_the_result_is_in_the_rig_rate_and_unit_of_the_first(folder, model, tmp_
     assert made.skeleton.names == rig.skeleton.names
     assert (made.rate, made.unit) == (pytest.approx(rig.rate), rig.unit)
     assert made.seconds == pytest.approx(2.0, abs=0.02)  # the walk is the shorter one
+    paths = [body_of(motion)[:, 0, ::2] for motion in (made, rig, load_motion(second))]
+    hips, *sources = (np.linalg.norm(np.diff(path, 2, axis=0), axis=1).max() for path in paths)
+    assert hips <= 1.25 * max(sources)  # the transition also changes the speed within two seconds
 
 
 def test_samples_of_both_priors_are_written_to_one_file_each(folder, model, tmp_path, run):

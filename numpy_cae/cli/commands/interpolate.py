@@ -11,7 +11,7 @@ from pathlib import Path
 from numpy_cae.cli.shared import arguments, one_motion
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
-from numpy_cae.manifold.interpolate import TRANSITION
+from numpy_cae.manifold.interpolate import TRANSITION, shares, with_path
 from numpy_cae.mocap import load_body
 from numpy_cae.mocap.formats.write import require_bvh
 from numpy_cae.mocap.retarget.body import Body
@@ -41,7 +41,8 @@ def run(args: argparse.Namespace) -> int:
     manifold, reading = one_motion.load_model(args), arguments.reading(args)
     motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
     first, second = (Body(motion, manifold.lengths) for motion in motions)
-    between = interpolate(manifold, first.features, second.features, args.share)
+    sources = first.features, second.features
+    between = with_path(interpolate(manifold, *sources, args.share), *sources, args.share)
     made, frames = first.to_rig(between), len(between)
     note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")
     one_motion.write(made, args.output)
@@ -56,5 +57,6 @@ def run(args: argparse.Namespace) -> int:
             one_motion.body_actor(features_to_positions(features), label, colour)
             for features, label, colour in shown
         ]
-        one_motion.write_page(args.output, "both motions and the one between", actors)
+        rows = {f"share of {args.second.stem}": shares(args.share, frames)[:, 0]}
+        one_motion.write_page(args.output, "both motions and the one between", actors, rows)
     return 0

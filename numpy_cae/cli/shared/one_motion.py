@@ -1,6 +1,7 @@
 """Options and steps of the commands that apply a model to motions."""
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -51,8 +52,11 @@ def body_actor(body: np.ndarray, label: str, colour: str) -> Actor:
     return Actor(body, PARENTS, label, colour, JOINTS)
 
 
-def write_page(output: Path, content: str, actors: list[Actor]) -> None:
-    """Write a page beside the output that plays motions at thirty frames a second."""
+def write_page(
+    output: Path, content: str, actors: list[Actor], rows: Mapping[str, np.ndarray] | None = None
+) -> None:
+    """Write a page beside the output that plays motions at thirty frames a second, with rows of
+    bars below them."""
     page = output.with_suffix(".html")
-    save_viewer(actors, page, RATE, f"{output.stem}: {content}")
+    save_viewer(actors, page, RATE, f"{output.stem}: {content}", rows=rows or {})
     print(f"{page}: {content}; open it in a browser")

@@ -44,9 +44,9 @@ export function strokeCurves(pen, curves, top, width, height) {
 }
 
 export class Timeline {
-  constructor(canvas, motions, findings, frames) {
+  constructor(canvas, motions, findings, frames, rows = {}) {
     Object.assign(this, { canvas, motions, frames, findings });
-    this.rows = [];
+    this.rows = Object.entries(rows).map(([label, values]) => ({ label, colour: "--share", values }));
     if (findings.length) this.rows.push({ label: "damaged", colour: "--damage", values: damagedShare(findings, frames) });
     for (const motion of motions.filter(({ moved }) => moved)) {
       const label = `${motion.label}: distance from ${motions[0].label}`;

@@ -64,7 +64,7 @@ class Viewer {
     this.slider = element(line, "input",
       { type: "range", min: 0, max: this.frames - 1, step: 1, value: 0, ariaLabel: "frame" });
     this.lines = element(line, "canvas", { ariaHidden: "true" });
-    this.timeline = new Timeline(this.lines, this.motions, data.findings, this.frames);
+    this.timeline = new Timeline(this.lines, this.motions, data.findings, this.frames, data.rows);
   }
 
   buildLegend(legend, data) {
