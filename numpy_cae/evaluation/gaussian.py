@@ -21,9 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from numpy_cae.fast.blas import one_blas_thread
+
 TAPS = 15
 """TAPS: frames of a row, as many as a filter of holden2015 has."""
-TOGETHER = 5
+TOGETHER = 7
 """TOGETHER: the frames in the middle of a row that `Gaussian.complete` takes from it."""
 RIDGE = 3e-4
 """RIDGE: this share of the mean of their diagonals is added to the diagonals of S and M. With 1e-6
@@ -63,28 +65,27 @@ class Gaussian:
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).
 
-        Frames 0 to 4, 5 to 9, … (`TOGETHER`) are each estimated from the row z in whose middle
+        Frames 0 to 6, 7 to 13, … (`TOGETHER`) are each estimated from the row z in whose middle
         they are. Frames beyond a window are unknown.
         """
-        from scipy.linalg import solve  # slow to import
-
         covariance = _with_ridge(self.second - np.outer(self.mean, self.mean))
         before = (TAPS - TOGETHER) // 2
         around = ((0, 0), (before, TAPS), (0, 0))
         rows = np.pad(x, around)
         seen = np.pad(known, around)
         estimates = np.array(x, dtype=np.float64)
-        for window, start in np.ndindex(len(x), -(-x.shape[1] // TOGETHER)):
-            frames = slice(start * TOGETHER, start * TOGETHER + TAPS)
-            o = np.flatnonzero(seen[window, frames])
-            part = estimates[window, frames.start : frames.start + TOGETHER]
-            if seen[window, frames][before : before + len(part)].all():
-                continue
-            gap = rows[window, frames].ravel()[o] - self.mean[o]
-            weights = np.zeros(len(self.mean))
-            weights[o] = solve(covariance[np.ix_(o, o)], gap, assume_a="pos")
-            row = (self.mean + covariance @ weights).reshape(TAPS, -1)
-            part[...] = row[before : before + len(part)]
+        with one_blas_thread():  # two threads wait for each other longer than they compute
+            for window, start in np.ndindex(len(x), -(-x.shape[1] // TOGETHER)):
+                frames = slice(start * TOGETHER, start * TOGETHER + TAPS)
+                o = np.flatnonzero(seen[window, frames])
+                part = estimates[window, frames.start : frames.start + TOGETHER]
+                if seen[window, frames][before : before + len(part)].all():
+                    continue
+                gap = rows[window, frames].ravel()[o] - self.mean[o]
+                weights = np.zeros(len(self.mean))
+                weights[o] = np.linalg.solve(covariance[np.ix_(o, o)], gap)
+                row = (self.mean + covariance @ weights).reshape(TAPS, -1)
+                part[...] = row[before : before + len(part)]
         return np.where(known, x, estimates)
 
     def linear_map(self, p: float) -> np.ndarray:

@@ -58,7 +58,7 @@ def test_the_linear_map_solves_the_normal_equations_over_all_masks(windows):
     assert padded_with_zeros.ravel().tolist() == [12, 123, 230]
 
 
-def test_the_gaussian_estimates_the_conditional_mean_of_five_frames_in_fifteen():
+def test_the_gaussian_estimates_the_conditional_mean_of_seven_frames_in_fifteen():
     rng = np.random.default_rng(1)
     x = np.cumsum(rng.normal(size=(60, 23, 2)), axis=1)
     fitted = Gaussian.fit(x, np.ones((60, 23), bool))
@@ -69,14 +69,14 @@ def test_the_gaussian_estimates_the_conditional_mean_of_five_frames_in_fifteen()
     known = rng.random((23, 2)) < 0.5
     known[15:] = True
     expected = x[0].copy()
-    for start in (0, 5, 10):
-        o = [(t, c) for t in range(start - 5, start + 10) for c in (0, 1) if 0 <= t < 23]
+    for start in (0, 7, 14):
+        o = [(t, c) for t in range(start - 4, start + 11) for c in (0, 1) if 0 <= t < 23]
         o = [(t, c) for t, c in o if known[t, c]]
-        at = [2 * (t - start + 5) + c for t, c in o]
+        at = [2 * (t - start + 4) + c for t, c in o]
         gap = np.array([x[0][each] for each in o]) - mean[at]
         weights = np.linalg.solve(covariance[np.ix_(at, at)], gap)
-        for t, c in np.argwhere(~known[start : start + 5]) + [start, 0]:
-            place = 2 * (t - start + 5) + c
+        for t, c in np.argwhere(~known[start : start + 7]) + [start, 0]:
+            place = 2 * (t - start + 4) + c
             expected[t, c] = mean[place] + covariance[place, at] @ weights
     completed = fitted.complete(np.where(known, x[:1], 99), known[None])[0]
     np.testing.assert_allclose(completed, expected, atol=1e-6)
