@@ -52,6 +52,7 @@ def test_a_mistake_is_named_and_two_at_once_are_not():
     [
         ("conv1d", lambda dx, dw, db: (dw, dx, db), "The gradient for x is returned as that for w"),
         ("encode_layer", lambda dx, dw, db: (dw, dx, db), "the order is x, w, b."),
+        ("encode_layer", lambda dx, dw, db: (dx, dw[::-1], db), "the right one [[["),
         ("conv1d", lambda *gradients: None, "the pullback returns None: is a return missing?"),
     ],
 )

@@ -8,18 +8,11 @@ from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
 P = 0.3
-
-
-def loss_of_weights(x, corrupted, w, b):
-    """A loss with its gradients, as simple as it can be for `train_layer`."""
-    mean = np.mean(x)
-    return np.sum((w - mean) ** 2) / 2 + np.sum(b**2) / 2, w - mean, 1.0 * b
-
-
-LOSS_AS_TEXT = (
+LOSS = (
     "lambda x, corrupted, w, b: "
     "((((w - x.mean()) ** 2).sum() + (b**2).sum()) / 2, w - x.mean(), 1.0 * b)"
 )
+"""LOSS: a loss with its gradients, as simple as it can be for `train_layer`."""
 
 
 def corruption_arguments(case: Case) -> dict[str, object]:
@@ -46,8 +39,7 @@ def training_arguments(case: Case) -> dict[str, object]:
     rng = case.rng()
     windows = spread(rng, (case["windows"], 4, 5))
     weights = {"w": spread(rng, (1, 5, 2)), "b": spread(rng, (2,))}
-    loss = Recorded(LOSS_AS_TEXT, loss_of_weights)
-    sizes = {"loss": loss, "epochs": case["epochs"], "batch": case["batch"]}
+    sizes = {"loss": Recorded(LOSS), "epochs": case["epochs"], "batch": case["batch"]}
     return {"windows": windows, **weights, **sizes, "rate": 0.5, "decay": 0.7, "p": P, "rng": rng}
 
 

@@ -9,10 +9,10 @@ from numpy_cae.course.exercises.checks import Recorded, checks, require_same
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import agrees
 
-
-def blurred(x: np.ndarray) -> np.ndarray:
-    """A projection that differs from the identity: a mean of each frame and the one before it."""
-    return 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1
+BLURRED = "lambda x: 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1"
+"""BLURRED: a projection, a mean of each frame and the one before it, that changes every window."""
+WITH_MEAN = "lambda x, known: np.where(known, x, np.mean(x[known]))"
+"""WITH_MEAN: an interpolation as simple as it can be."""
 
 
 def damaged_arguments(case: Case) -> dict[str, object]:
@@ -39,12 +39,12 @@ def moment_arguments(case: Case) -> dict[str, object]:
 
 
 def hole_arguments(case: Case) -> dict[str, object]:
-    """Windows, what is known of them, and a projection that records its calls."""
+    """Windows, what is known of them, a projection and an interpolation, and how many rounds."""
     rng = case.rng()
     shape = (case["batch"], case["frames"], case["channels"])
     known = rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
-    project = Recorded("lambda x: 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1", blurred)
-    return {"x": spread(rng, shape), "known": known, "project": project}
+    hole = {"x": spread(rng, shape), "known": known, "project": Recorded(BLURRED)}
+    return {**hole, "interpolate": Recorded(WITH_MEAN), "rounds": case["rounds"]}
 
 
 def hidden_arguments(case: Case) -> dict[str, object]:
@@ -67,14 +67,14 @@ def _nothing_lost(function, case, x):
     require_same(function(full), full)
 
 
-@checks("fill_unknown", "known")
-def _known_values_stay(function, case, x, known, project):
-    require_same(function(x, known, project)[known], x[known], ("a known value",))
+@checks("complete", "known")
+def _known_values_stay(function, case, x, known, **others):
+    require_same(function(x, known, *others.values())[known], x[known], ("a known value",))
 
 
-@checks("fill_unknown", "nothing there")
-def _unknown_values_ignored(function, case, x, known, project):
-    number = function(x, known, project)
-    with_nan = function(np.where(known, x, np.nan), known, project)
+@checks("complete", "nothing there")
+def _unknown_values_ignored(function, case, x, known, **others):
+    number = function(x, known, *others.values())
+    with_nan = function(np.where(known, x, np.nan), known, *others.values())
     if not agrees(with_nan, number):  # the function's own results: neither need be right
         raise AssertionError("NaN in place of the unknown values of x changes what it returns")

@@ -15,14 +15,8 @@ OF_NORM = 0.25
 def linear_pullback(case: Case, rng: np.random.Generator, made: dict) -> Recorded:
     """The pullback of a recurrence with one matrix for each frame: dh_(t-1) = dh_t · M_t."""
     matrices = spread(rng, (case["frames"], case["hidden"], case["hidden"]), 1.5)
-
-    def pull(t: int, dh: np.ndarray) -> np.ndarray:
-        if not 1 <= t <= len(matrices):
-            raise IndexError(f"pull has the frames 1 to {len(matrices)}, got {t}")
-        return dh @ matrices[t - 1]
-
     text = f"lambda t, dh: dh @ np.array({np.round(matrices, 4).tolist()})[t - 1]"
-    return Recorded(text, pull)
+    return Recorded(text)
 
 
 def clip_arguments(case: Case) -> dict[str, object]:

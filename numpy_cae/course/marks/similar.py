@@ -4,7 +4,6 @@ import ast
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
-from typing import NamedTuple
 
 from numpy_cae.verify.grading.submission import Submission
 
@@ -19,16 +18,8 @@ COMMON = 0.1
 FEW = 4
 
 
-class Pair(NamedTuple):
-    """Two students, and the part that they share of the runs that are not common."""
-
-    share: float
-    one: str
-    other: str
-
-
-def similar_pairs(submissions: Mapping[str, Sequence[Submission]]) -> list[Pair]:
-    """The pairs of students whose functions are alike, most alike first.
+def similar_pairs(submissions: Mapping[str, Sequence[Submission]]) -> list[tuple[float, str, str]]:
+    """The pairs of students whose functions are alike, each with the share, most alike first.
 
     Names, comments, docstrings, numbers and the layout do not count.
     """
@@ -41,7 +32,7 @@ def similar_pairs(submissions: Mapping[str, Sequence[Submission]]) -> list[Pair]
         union = len(rare[one] | rare[other])
         share = len(rare[one] & rare[other]) / max(union, LEAST_RUNS)
         if share >= LEAST_SHARE:
-            pairs.append(Pair(share, one, other))
+            pairs.append((share, one, other))
     return sorted(pairs, reverse=True)
 
 

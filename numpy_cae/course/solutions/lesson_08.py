@@ -13,17 +13,21 @@ def rescale(x):
     return x / (1 - p).astype(x.dtype)
 
 
+def complete(x, known, project, interpolate, rounds):
+    """Interpolated; in each round the projection, and what it misses, interpolated."""
+    completed = interpolate(x, known)
+    for _ in range(rounds):
+        projected = project(completed)
+        missed = interpolate(x - projected, known)
+        completed = np.where(known, x, projected + missed)
+    return completed
+
+
 def denoising_weights(second, cross, kept):
     """A of M A = B, the means over all masks that keep a value with one probability."""
     m = kept**2 * second
     np.fill_diagonal(m, kept * np.diag(second))
     return np.linalg.solve(m, kept * cross)
-
-
-def fill_unknown(x, known, project):
-    """The known values, and where they are unknown those of the projection."""
-    projected = project(np.where(known, x, x.dtype.type(0)))
-    return np.where(known, x, projected)
 
 
 def G(y_0, y_1):
