@@ -1,8 +1,10 @@
-"""Wrong operations whose mistakes are to be found by reading, in lesson 12."""
+"""The wrong operations of lesson 12: planted bugs, and those to be found by reading."""
 
 from numpy_cae.verify.operations.catalogue import properties_of_operation
-from numpy_cae.verify.operations.patch import Patch, bug_named
+from numpy_cae.verify.operations.patch import BUGS, Patch, bug_named, bugs_of, conventions_of
 from numpy_cae.verify.operations.trial import failing_case
+
+__all__ = ["BUGS", "SUSPECTS", "accuse", "bug_named", "bugs_of", "conventions_of"]
 
 CATCH_ALL = "special inputs"
 """CATCH_ALL: a property of every operation that nearly every bug violates; naming it says nothing
