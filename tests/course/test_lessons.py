@@ -113,7 +113,7 @@ def test_long_plots_are_folded_and_what_prose_explains_can_be_tried_by_hand(path
             assert folded or cell["source"].count("\n") < 12, cell["source"]
     figures = [shown(cell, "text/plain") for cell in code]
     assert (number_of(path) in SLIDERS) == any("figure with sliders" in text for text in figures)
-    assert "**Predict, then run:**" in path.read_text(encoding="utf-8")
+    assert "Predict, then run" in path.read_text(encoding="utf-8")
     assert "functions are yours" in "".join(code[-1]["outputs"][0]["text"])
 
 
