@@ -4,6 +4,7 @@ import ast
 import importlib
 import inspect
 import re
+from configparser import ConfigParser
 from pathlib import Path
 from pkgutil import resolve_name
 
@@ -142,3 +143,18 @@ def test_the_files_of_the_reading_list_exist():
     files = re.findall(r"^\d+\. `(numpy_cae/[\w/]+\.py)`", reading, re.MULTILINE)
     assert 1 <= len(files) <= 12
     assert all((ROOT / file).is_file() for file in files)
+
+
+def test_the_wheel_has_every_data_file():
+    """A clone that is installed editable does not show that a file is missing in setup.cfg."""
+    config = ConfigParser()
+    config.read(ROOT / "setup.cfg", encoding="utf-8")
+    named: set[Path] = set()
+    for package, patterns in config["options.package_data"].items():
+        for pattern in patterns.split():
+            files = set((ROOT / package.replace(".", "/")).glob(pattern))
+            assert files, f"no file of {package} is {pattern}"
+            named |= files
+    data = {path for path in PACKAGE.rglob("*.*") if path.suffix in {".json", ".toml", ".txt"}}
+    data |= {path for path in PACKAGE.rglob("*.*") if path.suffix in {".npz", ".ipynb", ".js"}}
+    assert sorted(data - named) == []
