@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.manifold.complete import interpolated
+from numpy_cae.training.interpolation import interpolated
 from studies.cmu_protocol.protocol import Fill, Method
 
 OFFSET, MEMORY = 0.5, 10
