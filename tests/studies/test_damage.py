@@ -44,7 +44,7 @@ def test_fillings_and_filters_keep_what_they_should(take, small_manifold):
     material = [LabelledTake(None, body_of(take))]
     _, mask = DAMAGES["twisted leg"](take, np.random.default_rng(3))
     fillings = [partial(damage.curve_filling, curve) for curve in damage.CURVES.values()]
-    for filling in (*fillings, damage.pca_filling(small_manifold, material)):
+    for filling in (*fillings, damage.gaussian_filling(small_manifold, material)):
         made = filling(take, mask)
         off = np.linalg.norm(body_positions(made) - body_positions(take), axis=-1)
         np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
