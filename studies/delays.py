@@ -9,6 +9,7 @@ same. A window that is moved inside a take has another content, which says nothi
 import numpy as np
 
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.motion.features import TURN, VELOCITY
 from numpy_cae.viz import OTHERS, PROJECTED, Curve, curves_figure
 from studies.comparison import EQUATION_4, EUCLIDEAN, RAW_EXTREMES, distances, rows_of_distances
 from studies.shared.material import Material, evenly, features_of
@@ -67,5 +68,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 def _delayed(features: np.ndarray, frames: int) -> np.ndarray:
     """The same motion after its first pose was held, standing still."""
     held = np.repeat(features[:1], frames, axis=0)
-    held[:, 60:] = 0  # velocity and turn
+    held[:, VELOCITY] = 0
+    held[:, TURN] = 0
     return np.concatenate([held, features])

@@ -5,8 +5,8 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from numpy_cae.fast import accelerate
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
+from numpy_cae.manifold.model_file import with_engine
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
@@ -112,8 +112,7 @@ def learn_manifold(
     network = ConvAutoencoder(
         filters=filters, taps=taps, bound=bound, rng=rng, initial=schedule.initial
     )
-    if engine == "fast":
-        network = accelerate(network)
+    network = with_engine(network, engine)
     if window % network.stride:
         raise ValueError(f"window is {window}, expected a multiple of {network.stride}")
 
@@ -235,8 +234,7 @@ def untrained_sequences(
     step = max(CLIP_STEP, sum(map(len, sequences)) // MOST_CLIPS)
     clips = cut_clips(sequences, step, frames)
     network = SequentialAutoencoder(len(table.columns), hidden, latent, rng, burn_in=burn_in)
-    if engine == "fast":
-        network = accelerate(network)
+    network = with_engine(network, engine)
     manifold = SequenceManifold(network, *mean_and_deviation(clips), table, bones)
     manifold.frames = frames
     return manifold

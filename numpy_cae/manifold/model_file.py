@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from importlib.resources import as_file, files
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,6 +14,14 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 
 Manifold = MotionManifold | SequenceManifold
+Network = TypeVar("Network")
+
+
+def with_engine(network: Network, engine: str) -> Network:
+    """The network: accelerated by `numpy_cae.fast` if `engine` is "fast", plain if it is "ops"."""
+    if engine not in ("fast", "ops"):
+        raise ValueError(f"engine is {engine!r}, expected 'fast' or 'ops'")
+    return accelerate(network) if engine == "fast" else network
 
 
 def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
@@ -41,15 +50,12 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
     Traceback (most recent call last):
     numpy_cae.array_file.ModelFileError: missing.npz: No such file or directory
     """
-    if engine not in ("fast", "ops"):
-        raise ValueError(f"engine is {engine!r}, expected 'fast' or 'ops'")
     readers: dict[str, Callable[[dict[str, np.ndarray]], Manifold]] = {
         motion_manifold.FORMAT: MotionManifold.from_arrays,
         sequence_manifold.FORMAT: SequenceManifold.from_arrays,
     }
     manifold = load_arrays(path, readers)
-    if engine == "fast":
-        manifold.network = accelerate(manifold.network)
+    manifold.network = with_engine(manifold.network, engine)
     return manifold
 
 

@@ -27,12 +27,6 @@ def run_numbers(mask: np.ndarray) -> np.ndarray:
     return np.cumsum(begins.T, dtype=np.int32).reshape(mask.T.shape).T * mask
 
 
-def run_lengths(mask: np.ndarray) -> np.ndarray:
-    """For each True of a mask (F, N) the frames of its run: (F, N) of int, else 0."""
-    numbers = run_numbers(mask)
-    return np.bincount(numbers.ravel())[numbers] * mask
-
-
 def runs_with(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
     """The runs of a mask (F, N) in which another mask is True somewhere: (F, N) bool."""
     numbers = run_numbers(mask)

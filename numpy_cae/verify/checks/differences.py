@@ -90,6 +90,7 @@ class Argument:
     gradient: np.ndarray
     epsilon: float
     tolerance: float
+    together: bool = False  # all arrays of the arguments in one row
 
     def judge(self, direction: np.ndarray) -> Verdict:
         """Compare the pullback's number for a direction with slopes at several steps.

@@ -118,7 +118,7 @@ def wrong_gradients(
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
     problems: list[Mismatch] = []
     for argument in _arguments(_Called(f, inputs, names, only), upstream, tolerance):
-        if argument.name.startswith(TOGETHER):
+        if argument.together:
             problems += [] if problems else _judge_together(argument)
         else:
             problems += _judge(argument, list(_directions(argument, rng)), rng, kinks_excused)
@@ -253,7 +253,7 @@ def _arguments_of(
             options |= {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
         f = called.output_at(wide, places, number)
         x, gradient = (flat([arrays[i] for i in places]) for arrays in (wide, gradients))
-        yield Argument(TOGETHER, f, x, gradient=gradient, **options)
+        yield Argument(TOGETHER, f, x, gradient=gradient, together=True, **options)
 
 
 def _judge_together(at: Argument) -> Iterator[Mismatch]:
@@ -266,7 +266,9 @@ def _judge_together(at: Argument) -> Iterator[Mismatch]:
         if verdict.kind == WRONG:
             first = "where equal entries move by equal amounts, the gradients do not give the slope"
             last = "is a gradient given to each of several equal entries?"
-            yield Mismatch("slope", "the gradients together", _both_numbers(first, verdict, last))
+            yield Mismatch(
+                mismatch.SLOPE, "the gradients together", _both_numbers(first, verdict, last)
+            )
             return
 
 
@@ -293,7 +295,7 @@ def _require_same(problem: str, first: Sequence, second: Sequence, size: float =
     other = flat(second)
     allowed = np.finfo(one.dtype).eps * (1000 * np.max(np.abs(one), initial=0.0) + 16 * size)
     if one.shape != other.shape or not np.allclose(one, other, 0, allowed, equal_nan=True):
-        raise Mismatch("repeated", problem, problem)
+        raise Mismatch(mismatch.REPEATED, problem, problem)
 
 
 def _judge(
@@ -337,7 +339,7 @@ def _wrong_slope(at: Argument, index: tuple[int, ...], verdict: Verdict, share: 
     if at.dy.size <= WORTH_PRINTING:
         others.append(f"upstream gradient, flat: {written(at.dy)}")
     first = f"{what}, shape {at.x.shape}, is wrong at index {index}"
-    return Mismatch("slope", what, _both_numbers(first, verdict, *others))
+    return Mismatch(mismatch.SLOPE, what, _both_numbers(first, verdict, *others))
 
 
 def _judged(at: Argument, directions: Iterable[np.ndarray]) -> Iterator[list]:
