@@ -8,7 +8,7 @@ Hidden units lie within [-1, 1], and so do all points between them.
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY
+from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, trajectory_of
 
 TRANSITION = "transition"
 """TRANSITION: the share that grows from 0 at the first frame to 1 at the last."""
@@ -81,17 +81,43 @@ def with_path(
 
     The velocity and the turn of the body, and where the hips are above the path, are those of the
     two motions, weighted by the share: what the network decodes varies more from frame to frame.
-    Arguments as in `interpolate`.
+    In a transition the weight is `share_of_path`. Arguments as in `interpolate`.
     """
     frames = len(between)
-    s = shares(share, frames)
-    if share == TRANSITION:  # slowly at both ends, where one motion has its whole acceleration
-        s = s * s * (3 - 2 * s)
+    first, second = first[:frames], second[:frames]
+    s = share_of_path(first, second) if share == TRANSITION else shares(share, frames)
     on_path = between.copy()
     pose = on_path[:, POSITIONS].reshape(frames, -1, 3)
-    hips = (1 - s) * first[:frames, :3] + s * second[:frames, :3]
+    hips = (1 - s) * first[:, :3] + s * second[:, :3]
     pose[..., ::2] += (hips - on_path[:, :3])[:, None, ::2]
     on_path[:, POSITIONS] = pose.reshape(frames, -1)
     for part in (VELOCITY, TURN):
-        on_path[:, part] = (1 - s) * first[:frames, part] + s * second[:frames, part]
+        on_path[:, part] = (1 - s) * first[:, part] + s * second[:, part]
     return on_path
+
+
+def share_of_path(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """s of a transition's path at each frame, (F, 1): it grows where the motions accelerate little.
+
+    With a_i the acceleration of the hips on the floor at frame i, that of the first motion at the
+    start and of the second at the end, and A the largest of both motions:
+
+        s_{i+1} - s_i = (A - a_i) / Σ_j (A - a_j)
+
+    While s grows, the hips accelerate by a_i and by (s_{i+1} - s_i) |v' - v| in addition, where v
+    and v' are the velocities of the two motions. Both together stay below A, except in a clip so
+    short that Σ_j (A - a_j) is less than |v' - v|, or in turns.
+
+    Parameters
+    ----------
+    first, second : (F, 63) arrays of float
+        Features of the two motions.
+    """
+    if len(first) < 3:
+        return shares(TRANSITION, len(first))
+    paths = [trajectory_of(features)[0] for features in (first, second)]
+    own, other = np.linalg.norm(np.diff(paths, 2, axis=1), axis=-1)
+    even = np.linspace(0.0, 1.0, len(own))
+    largest = max(own.max(), other.max()) + 1e-9  # s grows evenly where nothing accelerates
+    growth = largest - (1 - even) * own - even * other
+    return np.concatenate([[0.0], np.cumsum(growth) / growth.sum(), [1.0]])[:, None]
