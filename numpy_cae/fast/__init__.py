@@ -11,7 +11,7 @@ convolution                  `conv1d` by blocks, with its pullback: the whole id
 products                     matrix products in pieces that BLAS multiplies at full speed
 layer_sizes                  which form of the convolution is the cheapest for a layer
 spectral_convolution         W in the encoder and W̃ in the decoder with one transform of the filters
-direct_convolution           the same by the definition's own form, for training with one window
+direct_convolution           the same by the definition's own form, for one window
 fast_layer                   equations 1 and 2 with their pullbacks in fixed buffers
 worker                       one thread's windows through all layers and back
 blas, thread_team            Python threads that share the windows, each with one BLAS thread

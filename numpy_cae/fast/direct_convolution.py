@@ -8,9 +8,9 @@ K parts of a row are added to the frames that they were read from ("fold").
     decoder     x̂ = fold(z Wᵀ)          its pullback    dz = d̃x̂ W
     dW = x̃ᵀ dy + d̃x̂ᵀ z
 
-A step of training with one window is faster so than by blocks (`spectral_convolution`): ŵ has
-several times as many numbers as W, and reading them takes longer than the arithmetic that they
-save.
+One window is faster so than by blocks (`spectral_convolution`) in a step of training, and in the
+layer with the most filters otherwise: ŵ has several times as many numbers as W, and reading them
+takes longer than the arithmetic that they save.
 
 **Even unpooling** makes pairs of equal frames. The rows of a pair of frames are added up before the
 product with W (after the product with Wᵀ), which is then computed once for both.

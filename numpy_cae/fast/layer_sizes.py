@@ -6,9 +6,10 @@ import numpy as np
 
 from numpy_cae.fast.blocks import block_length
 
-MEMORY = 5
+MEMORY = 10
 """To read or write a number of an array that fits no cache takes as long as this many
-multiplications of a matrix product (measured)."""
+multiplications of a matrix product: 5 where nothing else uses the last level of the cache, 10 and
+more where other programs or models run (measured)."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +32,11 @@ class LayerSizes:
 def cheapest_length(sizes: LayerSizes, windows: int, blas_threads: int) -> int:
     """Frames of a block, at most, in the cheapest form of the convolution; 1 is the direct form.
 
-    The time is that of so many windows; the direct form is for training with one. BLAS shares its
-    products between so many threads.
+    The time is that of so many windows; the direct form is for one. BLAS shares its products
+    between so many threads.
     """
     costs = {longest: cost_by_blocks(sizes, windows, longest) for longest in range(4, 65, 2)}
-    if sizes.training and sizes.batch == 1:
+    if sizes.batch == 1:
         costs[1] = direct_cost(sizes) / blas_threads
     return min(costs, key=lambda longest: costs[longest])
 
@@ -71,11 +72,16 @@ def cost_by_blocks(sizes: LayerSizes, windows: int, longest: int) -> float:
 
 
 def direct_cost(sizes: LayerSizes) -> float:
-    """Multiplications of a step of training with one window in the direct form.
+    """Multiplications for one window in the direct form.
 
-    Three products of T rows in the encoder and three of T / rate rows in the decoder have K C D
-    multiplications a row. Each of the six reads or writes W and the rows of K C numbers.
+    A step of training has three products of T rows in the encoder and three of T / rate rows in the
+    decoder; encoding has one of T rows. A row has K C D multiplications. Each product reads or
+    writes W and the rows of K C numbers.
     """
-    rows = 3 * (sizes.frames + sizes.frames // sizes.rate)
+    products = 1
+    rows = sizes.frames
+    if sizes.training:
+        products = 6
+        rows = 3 * (sizes.frames + sizes.frames // sizes.rate)
     row = sizes.taps * sizes.channels
-    return rows * row * (sizes.filters + MEMORY) + 6 * row * sizes.filters * MEMORY
+    return rows * row * (sizes.filters + MEMORY) + products * row * sizes.filters * MEMORY

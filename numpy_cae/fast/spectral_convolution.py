@@ -47,8 +47,9 @@ class FilterSpectra:
         The number of blocks in a window.
     w_hat : (S, C, D) array
         ŵ.
-    copy : (K, C, D) array or None
-        The W of ŵ; None if ŵ may be that of no W.
+    copy : bytearray or None
+        The numbers of the W of ŵ; None if ŵ may be that of no W. Two buffers are compared without
+        the array of truth values that `np.array_equal` writes.
     below, above : (S, R, C) and (S, R, D) arrays
         [A x | A dx̂] and [Cᵀ dy | Cᵀ z], R = 2 · count · B; the windows of a thread follow one
         another.
@@ -63,14 +64,9 @@ class FilterSpectra:
         self.w_hat = zeros((products, sizes.channels, sizes.filters), sizes.dtype)
         self.below = zeros((products, rows, sizes.channels), sizes.dtype)
         self.above = zeros((products, rows, sizes.filters), sizes.dtype)
-        self.copy: np.ndarray | None = None
+        self.copy: bytearray | None = None
         if sizes.training:
             self._dw_hat = zeros(self.w_hat.shape, sizes.dtype)
-
-    def is_of(self, w: np.ndarray) -> bool:
-        """Whether ŵ is that of w, a contiguous array: every bit of w is compared."""
-        copy = self.copy
-        return copy is not None and copy.dtype == w.dtype and np.array_equal(_bits(copy), _bits(w))
 
     def load(self, w: np.ndarray, part: Part) -> None:
         """Compute a part of the rows of ŵ; where w has fewer than C channels, the rest is 0."""
@@ -201,8 +197,3 @@ class SpectralConvolution:
 def _as_rows(frames: np.ndarray) -> np.ndarray:
     """(T, B, C) as (T, B · C), the same memory."""
     return frames.reshape(len(frames), -1)
-
-
-def _bits(array: np.ndarray) -> np.ndarray:
-    """A contiguous array as integers, the same memory."""
-    return array.reshape(-1).view(f"u{min(array.itemsize, 8)}")

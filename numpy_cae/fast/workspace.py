@@ -21,7 +21,7 @@ from numpy_cae.models.conv_layer import ConvLayer
 class Workspace:
     """The workers of a team, at most one a thread, for one size of batch and window.
 
-    Where one window is trained there is one worker, and BLAS shares a product between its threads.
+    For one window there is one worker, and BLAS shares a product between its threads.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Workspace:
         batch = sizes[0].batch
         sharing = min(team.size, batch)
         self.team = team if sharing > 1 else thread_team(1)
-        self.blas_threads = team.size if batch == 1 and sizes[0].training else 1
+        self.blas_threads = team.size if batch == 1 else 1
         # Without gradients the time is that of the windows of one thread, each reading all of ŵ.
         windows = batch if sizes[0].training else -(-batch // sharing)
         self.filters: list[Filters] = []
@@ -60,10 +60,10 @@ class Workspace:
         for k, (filters, layer) in enumerate(zip(self.filters, layers, strict=True)):
             for worker in self.workers:
                 worker.layers[k].b = layer.b
-            w = np.ascontiguousarray(layer.w)
+            w = np.ascontiguousarray(layer.w, filters.sizes.dtype)
             if isinstance(filters, DirectConvolution):
                 filters.w = w
-            elif not filters.is_of(w):
+            elif filters.copy != w.data:
                 filters.copy = None
                 changed.append((filters, w))
 
@@ -84,7 +84,7 @@ class Workspace:
 
         self.team.run(run_thread, self.blas_threads)
         for spectra, w in changed:
-            spectra.copy = None if spectra.sizes.training else w.copy()
+            spectra.copy = None if spectra.sizes.training else bytearray(w.data)
 
 
 def _whole_lines(sizes: LayerSizes) -> LayerSizes:
