@@ -8,7 +8,7 @@ from numpy_cae.mocap.bodies import load_windows
 from numpy_cae.mocap.coordinates import Coordinates
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.formats.write import write_bvh
+from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.load import find_motion_files, load_angles, load_body, load_motion, save
 from numpy_cae.mocap.retarget.body import body_of, body_positions
 from numpy_cae.mocap.retarget.to_angles import angles_of

@@ -23,7 +23,7 @@ from numpy_cae.mocap.formats.amc import find_skeleton, read_amc
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.expmap import is_expmap_text, read_expmap
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.formats.write import require_bvh, write_bvh
+from numpy_cae.mocap.formats.write_bvh import require_bvh, write_bvh
 from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.retarget.body import body_of
 from numpy_cae.mocap.retarget.to_angles import angles_of

@@ -14,13 +14,14 @@ from numpy_cae.motion.joints import JOINTS
 
 FEET = (JOINTS.index("left_toe"), JOINTS.index("right_toe"))
 """The toe joints, left and right, at the ball of each foot."""
-STANDING_HEIGHT = 0.025
-"""STANDING_HEIGHT: a toe that stands is at most this high above the floor (m)."""
-STANDING_SPEED = 0.45
-"""STANDING_SPEED: a toe that stands is slower than this (m/s). A foot that rolls off its ball is
-slower, one that swings through is four times as fast."""
-_MIN_FRAMES = 3
-"""_MIN_FRAMES: shorter gaps and contacts are noise."""
+STANDING_METRES = 0.025
+"""A toe that stands is at most this high above the floor."""
+STANDING_METRES_PER_S = 0.45
+"""A toe that stands is slower than this. A foot that rolls off its ball is slower, one that swings
+through is four times as fast."""
+_LEAST_FRAMES = 3
+"""Gaps and contacts of fewer frames are noise, at every rate: at a high rate the speed of a single
+frame is less certain."""
 
 
 def floor_height(positions: np.ndarray) -> float:
@@ -31,9 +32,9 @@ def floor_height(positions: np.ndarray) -> float:
 def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
     """Whether each foot stands.
 
-    A foot is in contact in a frame if its toe is within `STANDING_HEIGHT` of the floor, which is at
-    `floor_height`, and moves along it slower than `STANDING_SPEED`; gaps and contacts of less than
-    three frames are noise.
+    A foot is in contact in a frame if its toe is within `STANDING_METRES` of the floor, which is at
+    `floor_height`, and moves along it slower than `STANDING_METRES_PER_S`; gaps and contacts of
+    less than three frames are noise.
 
     Parameters
     ----------
@@ -53,12 +54,16 @@ def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
         return np.zeros((len(positions), 2), bool)
     toes = positions[:, FEET]
     speed = np.linalg.norm(np.gradient(toes[..., [0, 2]], axis=0), axis=-1) * rate
-    stands = (toes[..., 1] < floor_height(positions) + STANDING_HEIGHT) & (speed < STANDING_SPEED)
+    stands = (toes[..., 1] < floor_height(positions) + STANDING_METRES) & (
+        speed < STANDING_METRES_PER_S
+    )
     for foot in stands.T:
         # The edge values are repeated: a clip may begin and end in the middle of a step.
-        padded = np.pad(foot, _MIN_FRAMES, mode="edge")
-        window = np.ones(_MIN_FRAMES, bool)
-        foot[:] = binary_opening(binary_closing(padded, window), window)[_MIN_FRAMES:-_MIN_FRAMES]
+        padded = np.pad(foot, _LEAST_FRAMES, mode="edge")
+        window = np.ones(_LEAST_FRAMES, bool)
+        foot[:] = binary_opening(binary_closing(padded, window), window)[
+            _LEAST_FRAMES:-_LEAST_FRAMES
+        ]
     return stands
 
 
@@ -68,10 +73,10 @@ def foot_sliding(positions: np.ndarray, rate: float) -> float:
         100 · rate · mean_{t in contact} ‖xz(p_{t+1,f(t)}) - xz(p_{t,f(t)})‖
 
     f(t) is the foot whose toe joint is the lower one from t to t + 1, and t is in contact if that
-    toe is within `STANDING_HEIGHT` of the floor. A swinging foot passes the floor as closely,
-    at several metres a second, but meanwhile the other foot is lower. There is no bound on the
-    speed, as in `find_contacts`, because a fast slide is what is to be measured. The height of the
-    floor is `floor_height`, so that a motion that floats as a whole still slides.
+    toe is within `STANDING_METRES` of the floor. A swinging foot passes the floor as closely,
+    at several metres a second, but meanwhile the other foot is lower. Unlike in `find_contacts` the
+    speed has no bound, because a fast slide is what is to be measured. The height of the floor is
+    `floor_height`, so that a motion that floats as a whole still slides.
 
     Parameters
     ----------
@@ -83,17 +88,21 @@ def foot_sliding(positions: np.ndarray, rate: float) -> float:
     Returns
     -------
     float
-        0 if nothing touches the floor.
+        0 if nothing touches the floor, and for fewer than two frames.
 
     Raises
     ------
     ValueError
-        If the positions are not those of the twenty joints in two frames or more.
+        If the positions are not those of the twenty joints.
     """
     positions = np.asarray(positions, dtype=np.float64)
+    if positions.shape[1:] != (len(JOINTS), 3):
+        raise ValueError(f"positions have shape {positions.shape}, expected (F, {len(JOINTS)}, 3)")
+    if len(positions) < 2:
+        return 0.0
     toes = positions[:, FEET]
     height = (toes[1:, :, 1] + toes[:-1, :, 1]) / 2
     lower, frames = height.argmin(axis=1), np.arange(len(height))
     speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)[frames, lower] * rate
-    contact = height[frames, lower] <= floor_height(positions) + STANDING_HEIGHT
+    contact = height[frames, lower] <= floor_height(positions) + STANDING_METRES
     return float(100 * speed[contact].mean()) if contact.any() else 0.0

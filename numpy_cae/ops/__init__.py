@@ -12,6 +12,6 @@ from numpy_cae.ops.gru import gru, gru_step
 from numpy_cae.ops.linear import linear
 from numpy_cae.ops.losses import mean_absolute, mean_squared_error
 from numpy_cae.ops.pooling import max_pool, unpool_even, unpool_random
-from numpy_cae.ops.wasserstein import sliced_wasserstein
+from numpy_cae.ops.sliced_wasserstein import sliced_wasserstein
 
 __all__ = [name for name in dir() if not name.startswith("_")]

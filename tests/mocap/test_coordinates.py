@@ -11,7 +11,7 @@ from numpy_cae.mocap import Coordinates, body_positions
 from numpy_cae.mocap.coordinates import TO_Y_UP, as_in_file, in_y_up
 from numpy_cae.mocap.formats.amc import read_amc
 from numpy_cae.mocap.formats.bvh import read_bvh
-from numpy_cae.mocap.formats.write import write_bvh
+from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.load import find_motion_files, load_motion
 from numpy_cae.motion import Skeleton, positions_to_features

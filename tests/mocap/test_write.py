@@ -21,7 +21,6 @@ from data_synth import make_take
 from numpy_cae.errors import FileError
 from numpy_cae.mocap import MotionFileError, load_motion, read_bvh, write_bvh
 from numpy_cae.mocap.coordinates import CMU_UNIT
-from numpy_cae.mocap.formats import write
 from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.motion import Motion, Skeleton
 
@@ -118,7 +117,7 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
         yield "1 2 3"
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(write, "_frame_lines", full_disk)
+    monkeypatch.setattr("numpy_cae.mocap.formats.write_bvh._frame_lines", full_disk)
     with pytest.raises(FileError, match="cannot be written: No space left") as failed:
         write_bvh(drawn_motion(0), path)
     assert failed.value.path == path

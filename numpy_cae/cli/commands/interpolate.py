@@ -13,7 +13,7 @@ from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION, shares, with_path
 from numpy_cae.mocap import load_body
-from numpy_cae.mocap.formats.write import require_bvh
+from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import features_to_positions
 from numpy_cae.viz import OTHERS, PROJECTED, TRUTH

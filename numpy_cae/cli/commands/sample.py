@@ -16,7 +16,7 @@ from numpy_cae.cli.shared.targets import named_files
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.mocap import body_of, load_body
-from numpy_cae.mocap.formats.write import require_bvh
+from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.retarget.body import Body, hold_first_pose
 from numpy_cae.motion import Motion, features_to_positions
 from numpy_cae.motion.features import RootTransform

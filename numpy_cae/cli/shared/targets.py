@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from numpy_cae.mocap.formats.write import require_bvh
+from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.load import KEPT, find_motion_files
 
 
