@@ -56,7 +56,7 @@ class Gaussian:
         total = np.zeros(size)
         second = np.zeros((size, size))
         for window, counts in zip(windows, real, strict=True):
-            z = contexts(window)[counts].astype(np.float64)
+            z = contexts(window)[counts]
             total += z.sum(axis=0)
             second += z.T @ z
         frames = np.count_nonzero(real)

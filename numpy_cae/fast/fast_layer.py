@@ -3,7 +3,7 @@
 The mathematics of `numpy_cae.models.conv_layer`, line for line, with three differences: every array
 is allocated once; the biases are added after pooling (max(u + b, v + b) = max(u, v) + b); and even
 unpooling is part of the convolution below it, so that b is subtracted once for each pair of equal
-frames.
+frames. In float32 tanh⁻¹ is rounded to 1e-7 of 1, not of the result.
 """
 
 import numpy as np
@@ -68,8 +68,12 @@ class FastLayer:
         np.clip(y, -self.bound, self.bound, out=self._clipped)
         if self.training:
             np.equal(y, self._clipped, out=self._inside)
-        activated = np.arctanh(self._clipped, out=self._scratch)
         z = self.convolution.z
+        # tanh⁻¹(y) = log((1 + y) / (1 - y)) / 2: np.arctanh takes ten times as long.
+        activated = np.add(1, self._clipped, out=self._scratch)
+        activated /= np.subtract(1, self._clipped, out=z if first is None else z[0::2])
+        np.log(activated, out=activated)
+        activated *= 0.5
         if first is None:  # one row of z is both frames of a pair
             self._first = None
             np.multiply(activated, 0.5, out=z)

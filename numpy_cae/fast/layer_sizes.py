@@ -6,10 +6,9 @@ import numpy as np
 
 from numpy_cae.fast.blocks import block_length
 
-MEMORY = 10
+MEMORY = 5
 """To read or write a number of an array that fits no cache takes as long as this many
-multiplications of a matrix product: 5 where nothing else uses the last level of the cache, 10 and
-more where other programs or models run (measured)."""
+multiplications of a matrix product (measured)."""
 
 
 @dataclass(frozen=True)
