@@ -13,8 +13,8 @@ from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.report import report as report_on
+from numpy_cae.verify.operations.catalogue import example as example_of
 from numpy_cae.verify.operations.catalogue import find_exercise
-from numpy_cae.verify.operations.example import example as example_of
 
 
 def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:

@@ -11,8 +11,7 @@ from numpy_cae.verify.adapters import of_cache, of_layer
 from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.gradients import check_gradients
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.operations.catalogue import properties
-from numpy_cae.verify.operations.example import example
+from numpy_cae.verify.operations.catalogue import example, properties
 from numpy_cae.verify.operations.own_operation import operation_test, properties_of
 from numpy_cae.verify.operations.trial import check_property
 

@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.verify import check_gradients
-from numpy_cae.verify.checks.leaves import leaves, rebuilt
+from numpy_cae.verify.checks.call import leaves, rebuilt
 
 
 def by_numpy_cae(f: Callable, inputs: tuple) -> bool:

@@ -10,7 +10,7 @@ from inspect import signature
 
 import numpy as np
 
-from numpy_cae.verify.checks.leaves import leaves
+from numpy_cae.verify.checks.call import leaves
 from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, Mismatch
 from numpy_cae.verify.operations.property import require_equal
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.course.exercises.checks import require_parts, require_same
+from numpy_cae.verify.checks.call import all_leaves, gradients_of_leaves, leaves, rebuilt
 from numpy_cae.verify.checks.gradients import wrong_gradients
-from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, leaves, rebuilt
 from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
 from numpy_cae.verify.operations.case import Case
 

@@ -21,7 +21,7 @@ from numpy_cae.course.exercises.whole_gradients import WholeGradient
 from numpy_cae.verify.operations.case import Sizes
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation
-from numpy_cae.verify.operations.property import Property
+from numpy_cae.verify.operations.property import GRADIENT, REST, VALUE, Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
 SOLUTIONS = "numpy_cae.course.solutions"
@@ -93,7 +93,7 @@ class Stated:
         return Operation(name, self.sizes, self.arguments, self.inputs, value, linear_in)
 
     def _with_whole_gradient(self, stated: Property) -> Property:
-        if not stated.is_gradient:
+        if stated.group != GRADIENT:
             return stated
         argument = stated.name.removeprefix("gradient for ")
         compared = (stated.check.operation, stated.check.findings)
@@ -102,6 +102,7 @@ class Stated:
     def _property(self, name: str, entry: Mapping) -> Property:
         options = {"examples": entry["examples"]} if "examples" in entry else {}
         check = self._check(name, entry.get("gradient"))
+        form = REST if entry.get("form") else VALUE
         return Property(
             name,
             entry.get("states", AGREES),
@@ -109,8 +110,7 @@ class Stated:
             operation=self.solution.__name__,
             arguments=self.arguments,
             sizes={**self.sizes, **_as_tuples(entry.get("sizes", {}))},
-            is_form=entry.get("form", False),
-            is_gradient="gradient" in entry,
+            group=GRADIENT if "gradient" in entry else form,
             watches_state=name == "purity",
             **options,
         )

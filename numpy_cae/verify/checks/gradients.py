@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from numpy_cae.verify.checks import call as calling
 from numpy_cae.verify.checks import differences, mismatch
-from numpy_cae.verify.checks.call import call, copies, flat, is_float, parts, require_finite
+from numpy_cae.verify.checks.call import all_leaves, copies, flat, is_array, is_float, parts
 from numpy_cae.verify.checks.differences import AGREES, SINGLE, WRONG, Argument, Verdict
-from numpy_cae.verify.checks.leaves import all_leaves, gradients_of_leaves, is_array, rebuilt
 from numpy_cae.verify.checks.mismatch import Mismatch
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import WORTH_PRINTING, written, written_apart
@@ -145,7 +145,7 @@ class _Called:
 
     def outputs(self, leaves: Sequence) -> tuple[Sequence, Callable]:
         """The outputs for some arrays in place of those of the arguments, and the pullback."""
-        value, pullback = call(self.f, rebuilt(self.inputs, iter(leaves)))
+        value, pullback = calling.call(self.f, calling.rebuilt(self.inputs, iter(leaves)))
         if isinstance(value, tuple | list):
             return value, lambda dys: pullback(tuple(dys))
         return [value], lambda dys: pullback(dys[0])
@@ -159,7 +159,7 @@ class _Called:
             for place, part in zip(places, np.split(np.ravel(row), ends), strict=True):
                 given[place] = part.reshape(leaves[place].shape)
             with np.errstate(all="ignore"):
-                value = self.f(*rebuilt(self.inputs, iter(given)))[0]
+                value = self.f(*calling.rebuilt(self.inputs, iter(given)))[0]
             return np.ravel(parts(value)[output])
 
         return at
@@ -167,12 +167,12 @@ class _Called:
     def pulled(self, pullback: Callable, dys: Sequence) -> list:
         """The gradient for each array; raise a Mismatch if the upstream gradient is altered."""
         given = copies(dys)
-        gradients = gradients_of_leaves(self.inputs, self.names, pullback(given))
+        gradients = calling.gradients_of_leaves(self.inputs, self.names, pullback(given))
         for now, was in zip(given, dys, strict=True):
             _require_untouched("the upstream gradient", now, was)
         for (name, _), gradient in zip(self.named, gradients, strict=True):
             if self.chooses(name) or self.chooses(TOGETHER):
-                require_finite(f"the gradient for {name}", gradient)
+                calling.require_finite(f"the gradient for {name}", gradient)
         return gradients
 
     def pulled_twice(self, upstream: Callable) -> Iterator[tuple[int, object, list]]:
@@ -185,7 +185,7 @@ class _Called:
         value, pullback = self.outputs([leaf for _, leaf in self.named])
         outputs = copies(value)
         for output in outputs:
-            require_finite("the value", output)
+            calling.require_finite("the value", output)
         dys = [_upstream_of(output, upstream) for output in outputs]
         gradients = self.pulled(pullback, dys)
         kept = copies(gradients)

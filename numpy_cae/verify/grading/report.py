@@ -1,4 +1,8 @@
-"""A report on one implementation: whether each property of its operation holds, with points."""
+"""A report on one implementation: whether each property of its operation holds, with points.
+
+`reply_of` and `report_of` are for a process that tests one function: outcomes as JSON, and outcomes
+again.
+"""
 
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
@@ -109,17 +113,17 @@ class Report:
         first, *others = self.failing()
         yield from _wrapped(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
         yield from _why(first)
-        for reason in dict.fromkeys(map(_reason, (first, *others))):
-            names = ", ".join(o.stated.name for o in others if _reason(o) == reason)
-            if names and reason == _reason(first):
-                yield from _wrapped("  FAILED  for the same reason: ", names, INDENT)
-            elif names:
-                yield from _wrapped(f"  FAILED  {names}: ", reason[0], INDENT)
-                if reason[1] not in ("", first.mistake):
-                    yield from _wrapped(" " * INDENT + "likely:   ", reason[1], 2 * INDENT + 2)
-        is_tried = [outcome.held or bool(outcome.problem) for outcome in self.outcomes]
-        yield from _names("  not tried: ", [not tried for tried in is_tried], self.outcomes)
-        yield from _names("  hold: ", [outcome.held for outcome in self.outcomes], self.outcomes)
+        names_of: dict[tuple[str, str], list[str]] = {_reason(first): []}
+        for outcome in others:
+            names_of.setdefault(_reason(outcome), []).append(outcome.stated.name)
+        yield from _listed("  FAILED  for the same reason: ", names_of.pop(_reason(first)))
+        for (problem, mistake), names in names_of.items():
+            yield from _wrapped(f"  FAILED  {', '.join(names)}: ", problem, INDENT)
+            if mistake not in ("", first.mistake):
+                yield from _wrapped(" " * INDENT + "likely:   ", mistake, 2 * INDENT + 2)
+        untried = [o.stated.name for o in self.outcomes if not o.held and not o.problem]
+        yield from _listed("  not tried: ", untried)
+        yield from _listed("  hold: ", [o.stated.name for o in self.outcomes if o.held])
         yield from _wrapped("  points: ", self._shares(), INDENT)
 
     def failing(self) -> list[Outcome]:
@@ -136,16 +140,17 @@ class Report:
 
     def _shares(self) -> str:
         """The points of each group of properties, and why one that holds may have none."""
-        groups = [outcome.stated.group for outcome in self.outcomes]
-        earned = self.earned()
+        pairs = list(zip(self.outcomes, self.earned(), strict=True))
+        groups = {outcome.stated.group for outcome in self.outcomes}
         texts = []
-        for number in sorted(set(groups)):
-            of_group = [k for k, group in enumerate(groups) if group == number]
-            possible = sum(self.outcomes[k].stated.points for k in of_group)
-            got = f"{GROUPS[number]} {sum(earned[k] for k in of_group):.3g} of {possible:.3g}"
-            waits = any(self.outcomes[k].held and not earned[k] for k in of_group)
-            texts.append(got + WAITS[number if 1 in groups else min(number, 1)] * waits)
-        is_rounded = sum(earned) > self.points + ROUNDING
+        for number in sorted(groups):
+            of_group = [(o, points) for o, points in pairs if o.stated.group == number]
+            got = sum(points for _, points in of_group)
+            possible = sum(outcome.stated.points for outcome, _ in of_group)
+            waits = any(outcome.held and not points for outcome, points in of_group)
+            wait = WAITS[number if 1 in groups else min(number, 1)] * waits
+            texts.append(f"{GROUPS[number]} {got:.3g} of {possible:.3g}{wait}")
+        is_rounded = sum(self.earned()) > self.points + ROUNDING
         return ", ".join(texts) + "; the sum is rounded down" * is_rounded
 
 
@@ -161,11 +166,8 @@ def _as_json(outcome: Outcome, points: float) -> dict:
     return of_property | why
 
 
-def _names(head: str, chosen: Sequence[bool], outcomes: Sequence[Outcome]) -> list[str]:
-    names = ", ".join(
-        one.stated.name for one, is_one in zip(outcomes, chosen, strict=True) if is_one
-    )
-    return _wrapped(head, names, INDENT) if names else []
+def _listed(head: str, names: Sequence[str]) -> list[str]:
+    return _wrapped(head, ", ".join(names), INDENT) if names else []
 
 
 def _why(outcome: Outcome) -> Iterator[str]:
@@ -273,3 +275,48 @@ def holds(exercise: Exercise, implementation: Callable) -> bool:
 def readable(text: str) -> str:
     """A text of readable length, control characters escaped."""
     return visible(text[:LONGEST_TEXT])
+
+
+TEXTS = ("problem", "counterexample", "mistake", "kind")
+
+
+def reply_of(followed: Exercise, outcomes: Sequence[Outcome]) -> dict:
+    """The outcomes in plain dicts, lists and texts, and the warnings of the function."""
+    notes = dict.fromkeys(note for outcome in outcomes for note in outcome.notes)
+    made = [_as_dict(outcome) for outcome in outcomes]
+    return {"convention": followed.convention, "outcomes": made, "notes": list(notes)}
+
+
+def _as_dict(outcome: Outcome) -> dict:
+    return {name: getattr(outcome, name) for name in ("held", *TEXTS)}
+
+
+def report_of(exercise: Exercise, called: str, reply: dict) -> Report:
+    """The report from a reply of `reply_of`, or one that says why there is no such reply.
+
+    If the process was ended, the outcomes until then count. Names, statements and points are not
+    taken from the reply.
+    """
+    try:
+        problem = readable(reply.get("failed", ""))
+        if "outcomes" in reply or not problem:
+            every = (exercise, *catalogue.in_other_conventions(exercise))
+            (followed,) = (one for one in every if one.convention == reply["convention"])
+            both = zip(followed.properties, reply["outcomes"], strict=not problem)
+            outcomes = [
+                Outcome(stated, one["held"] is True, *(readable(one[name]) for name in TEXTS))
+                for stated, one in both
+            ]
+            if problem:
+                outcomes += _ended(followed.properties[len(outcomes) :], problem, reply["trying"])
+            return Report(followed, called, tuple(outcomes))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        problem = f"its process sent no reply: {error}"
+    return Report(exercise, called, tuple(Outcome(p, False, problem) for p in exercise.properties))
+
+
+def _ended(left: Sequence[Property], problem: str, trying: str) -> list[Outcome]:
+    """The outcomes of the properties that were left when the process ended."""
+    what = f"{problem}\nit was tried with {readable(trying)}; smaller cases were right"
+    first, *others = left
+    return [Outcome(first, False, what), *(Outcome(stated, False) for stated in others)]

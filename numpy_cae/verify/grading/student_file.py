@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from numpy_cae.verify.grading.reply import report_of
-from numpy_cae.verify.grading.report import WIDTH, Report, readable
+from numpy_cae.verify.grading.report import WIDTH, Report, readable, report_of
 from numpy_cae.verify.grading.sandbox.process import run
 from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import catalogue as operations

@@ -140,7 +140,7 @@ LAYOUTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "every other entry": lambda array: np.stack([array, np.zeros_like(array)], axis=-1)[..., 0],
     "reversed": _reversed,
     "last axis first": lambda array: np.moveaxis(np.moveaxis(array, -1, 0).copy(), 0, -1),
-    "second axis first": lambda array: _second_axis_first(array),
+    "second axis first": _second_axis_first,
     "read-only": lambda array: np.broadcast_to(array.copy(), array.shape),
     "broadcast": lambda array: np.broadcast_to(array[:1], array.shape),
 }

@@ -1,14 +1,19 @@
 """`CATALOGUE`: the operations of `numpy_cae.ops` and the tied layer, with their properties.
 
+`example` returns the arguments of a counterexample, which a report prints as a call.
+
 `numpy_cae.course.catalogue` has a larger `CATALOGUE`, which contains the exercises of the lessons.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
+from numpy_cae.verify.operations.case import ORDINARY, Case
 from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.patch import Patch, conventions_of, right_operation
-from numpy_cae.verify.operations.property import Property
+from numpy_cae.verify.operations.property import Property, right_results
 from numpy_cae.verify.operations.shared_properties import LARGEST, shared_properties
 from numpy_cae.verify.operations.single_properties import single_properties
 
@@ -94,3 +99,84 @@ def properties(name: str) -> tuple[Property, ...]:
     linearity: the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each
     """
     return find_exercise(name).properties
+
+
+@dataclass(frozen=True)
+class Example:
+    """The arguments of a case and, for an operation, the right results."""
+
+    arguments: dict[str, object]
+    upstream: np.ndarray | float | None = None
+    value: np.ndarray | float | None = None
+    gradients: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int | str) -> Example:
+    """The arguments of a counterexample: a report prints the call of this function.
+
+    Parameters
+    ----------
+    name : str, Exercise, Property or callable
+        An operation of `numpy_cae.ops`, "tied_layer", an exercise, a property of an operation of
+        one's own, or a function that `operation_test` has marked.
+    seed : int
+    **sizes : int or str
+        The sizes of the arrays, such as frames=2, and classes such as values="ties".
+
+    Returns
+    -------
+    Example
+        With `arguments` by name and, for an operation, the `upstream` gradient and the `value` and
+        `gradients` of the definition.
+
+    Raises
+    ------
+    ValueError
+        If there is no such operation, or a size is missing or unknown.
+
+    Examples
+    --------
+    >>> from numpy_cae import verify
+    >>> case = verify.example("max_pool", seed=0, batch=1, frames=2, channels=1, values="ties")
+    >>> case.arguments["x"].ravel().tolist(), case.value.ravel().tolist()
+    ([2.0, 1.0], [2.0])
+    """
+    if isinstance(name, Property):
+        properties = (name,)
+    elif callable(name):
+        properties = name.operation_test  # type: ignore[attr-defined]
+    else:
+        properties = find_exercise(name).properties
+    case = _case_of(properties, seed, sizes)
+    arguments = properties[0].arguments(case)
+    operation = properties[0].definition
+    if operation is None:
+        return Example(arguments)
+    dy, right = right_results(operation, case, arguments)
+    value, *gradients = right.values()
+    return Example(
+        arguments, dy, value, dict(zip(operation.differentiated, gradients, strict=True))
+    )
+
+
+def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
+    """A case of an operation's properties; a ValueError if a size is missing or unknown."""
+    allowed: dict[str, list] = {}
+    for name, options in (each for stated in properties for each in stated.sizes.items()):
+        allowed.setdefault(name, []).extend(options)
+    needed = {name for name, options in allowed.items() if ORDINARY not in options}
+    if not needed <= set(sizes) <= set(allowed):
+        text = f"{', '.join(allowed)}, got {', '.join(sizes)}"
+        raise ValueError(f"{properties[0].operation} has the sizes {text}")
+    for name, size in sizes.items():
+        if isinstance(size, str) and size not in allowed[name]:
+            options = ", ".join(dict.fromkeys(map(str, allowed[name])))
+            raise ValueError(f"{name} is {size!r}, expected one of {options}")
+    return Case(tuple(sizes.items()), seed)
+
+
+def example_call(stated: Property, case: Case) -> str:
+    """The call of `verify.example` that returns a case of a property."""
+    name = stated.example_of or f'"{stated.operation}"'
+    sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
+    return f"example({name}, {sizes}, seed={case.seed})"

@@ -26,6 +26,10 @@ NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
 OVERWRITTEN = "after further calls, "
 """OVERWRITTEN: a finding about an earlier result, which a later call must not change, begins so."""
+VALUE = 0
+GRADIENT = 1
+REST = 2
+"""VALUE, GRADIENT, REST: what a property is about; a report gives points in this order."""
 UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
 """Upstream gradients: one class of arrays, or of scalars if the value is a scalar."""
 
@@ -88,8 +92,7 @@ class Property:
     combined: tuple[str, ...] = ()  # every combination of these sizes and classes is drawn
     together: tuple[dict[str, str], ...] = ()  # classes to try with the last option of every size
     diagnose: Callable[..., str] | None = field(default=None, repr=False)  # in place of diagnosis
-    is_form: bool = False  # functions without the right value may have it, too
-    is_gradient: bool = False
+    group: int = VALUE  # or GRADIENT, or REST: what functions without the right value may have
     example_of: str = ""  # how a report names it in a call of `example`
     seeded_by: str = ""  # what the cases depend on, by default the operation
     marks: tuple = ()  # of pytest
@@ -99,13 +102,6 @@ class Property:
         """Random cases, the same in every run, smallest arrays first."""
         name = f"{self.seeded_by or self.operation}: {self.name}"
         return random_cases(name, self.sizes, self.examples, self.combined, self.together)
-
-    @property
-    def group(self) -> int:
-        """What it is about: 0 the value, 1 a gradient, 2 anything else."""
-        if self.is_gradient:
-            return 1
-        return 2 if self.is_form else 0
 
     @property
     def definition(self) -> Operation | None:
@@ -138,16 +134,9 @@ def property_of(
     **others: object,
 ) -> Property:
     """A property of an operation, tried with its sizes and further classes."""
-    options = {"is_form": True, "arguments": operation.arguments, **others}
-    return Property(
-        name,
-        statement,
-        Comparison(operation, findings),
-        sizes={**operation.sizes, **classes},
-        operation=operation.name,
-        seeded_by=operation.seeded_by,
-        **options,
-    )
+    options = {"group": REST, "arguments": operation.arguments, "operation": operation.name}
+    options |= {"sizes": {**operation.sizes, **classes}, "seeded_by": operation.seeded_by}
+    return Property(name, statement, Comparison(operation, findings), **{**options, **others})
 
 
 def require_equal(
@@ -248,13 +237,13 @@ def _upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
     dy = spread(rng, shape)
     if kind == "sparse":
         return np.where(np.arange(dy.size).reshape(shape) == rng.integers(dy.size), dy, 0.0)
-    made: dict[object, Callable[[], np.ndarray]] = {
-        "integers": lambda: rng.choice([-3.0, 1.0, 2.0], shape),
-        "random": lambda: rng.uniform(-8, 8, shape),
-        "strided": lambda: LAYOUTS["every other entry"](dy),
-        "constant": lambda: np.broadcast_to(2.0, shape),
-    }
-    return made[kind]() if kind in made else dy * NUMBERS.get(kind, 1)
+    if kind == "integers":
+        return rng.choice([-3.0, 1.0, 2.0], shape)
+    if kind == "random":
+        return rng.uniform(-8, 8, shape)
+    if kind == "strided":
+        return LAYOUTS["every other entry"](dy)
+    return np.broadcast_to(2.0, shape) if kind == "constant" else dy * NUMBERS.get(kind, 1)
 
 
 def copied(dy: np.ndarray | float) -> np.ndarray | float:

@@ -36,13 +36,13 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     """The properties that every operation has; some are stated for each argument."""
     stated = partial(comparing.property_of, operation)
     if operation.reference or operation.definition:
-        yield stated("value", VALUE, _value, {}, points=POINTS, is_form=False)
+        yield stated("value", VALUE, _value, {}, points=POINTS, group=comparing.VALUE)
     for name in operation.differentiated:
         right = "the definition" if operation.reference else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
-        options = {"points": POINTS, "is_gradient": True}
         findings = partial(_gradient, name)
         classes = UPSTREAM | operation.without_ties
+        options = {"points": POINTS, "group": comparing.GRADIENT}
         yield stated(f"gradient for {name}", statement, findings, classes, **options)
     if operation.seeded_by and not operation.reference:
         yield stated("ties", TIES, partial(_gradient, TOGETHER), UPSTREAM | TIED)
@@ -119,13 +119,14 @@ def _adjoint(argument: str, operation: Operation, implementation: Callable, case
 
 
 class _Called:
-    """A call of an operation: its value, its pullback and an upstream gradient."""
+    """A call of an operation: its value, a copy of it, its pullback and an upstream gradient."""
 
     def __init__(
         self, operation: Operation, implementation: Callable, case: Case, given: list
     ) -> None:
         self.operation = operation
         self.value, self.pullback = implementation(*given)
+        self.right_value = np.copy(self.value)
         self.dy = comparing.drawn_upstream(case, self.value)
 
     def gradients(self, dy: np.ndarray | float | None = None) -> dict[str, np.ndarray]:
@@ -168,10 +169,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
     dy = comparing.drawn_upstream(case, implementation(*copies(arguments))[0])
     dy = _in_float32(layout(dy)) if np.ndim(dy) else dy
     given = {name: _in_float32(argument) for name, argument in arguments.items()}
-    rng = np.random.default_rng(0)
-    in_float64 = partial(_in_float64, operation, implementation, given, dy, rng)
-    exact = in_float64(0.0)
-    moved = [in_float64(FLOAT32), in_float64(FLOAT32)]
+    exact, *moved = _in_float64(operation, implementation, given, dy)
     floor = _largest(dy, *given.values()) if operation.saturates else 1.0
     dy = layout(dy) if np.ndim(dy) else dy
     of_float32 = comparing.results(operation, implementation, copies(given, layout), dy)
@@ -188,25 +186,23 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
 
 
 def _in_float64(
-    operation: Operation,
-    implementation: Callable,
-    given: Mapping[str, object],
-    dy: np.ndarray | float,
-    rng: np.random.Generator,
-    rounding: float,
-) -> dict:
-    """The results for arguments of float32 as float64, each changed by half of a rounding."""
+    operation: Operation, implementation: Callable, given: Mapping[str, object], dy
+) -> Iterator[dict]:
+    """The results for float32 as float64: as they are, and twice changed by half a rounding."""
+    rng = np.random.default_rng(0)
     as_drawn = [given[name] for name in operation.drawn_by_caller]
 
-    def widened(array: np.ndarray) -> np.ndarray:
+    def widened(rounding: float, array: np.ndarray) -> np.ndarray:
         if array.dtype != np.float32:
             return array
         if any(array is each for each in as_drawn):
             return array.astype(float)
         return array * (1.0 + rounding * rng.choice([-0.5, 0.5], array.shape))
 
-    dy = widened(dy) if np.ndim(dy) else dy
-    return comparing.results(operation, implementation, copies(given, widened), dy)
+    for rounding in (0.0, FLOAT32, FLOAT32):
+        wide = partial(widened, rounding)
+        wide_dy = wide(dy) if np.ndim(dy) else dy
+        yield comparing.results(operation, implementation, copies(given, wide), wide_dy)
 
 
 def _layout(operation: Operation, case: Case) -> Callable[[np.ndarray], np.ndarray]:
@@ -265,27 +261,25 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
     others = operation.arguments(another)
     given = copies(operation.arguments(case), _layout(operation, case))
     alone = call(case, given)
-    value = np.copy(alone.value)
     right = alone.kept()
     first = call(case, given)
     second = call(another, copies(others))
-    second_value = np.copy(second.value)
     gradients = first.gradients()
     for _ in range(0 if case.seed % 4 else FURTHER_CALLS):
         call(another, copies(others)).gradients(second.dy)
     second_right = second.kept()
     first.gradients(second.dy)
-    yield _again(f"{comparing.OVERWRITTEN}the value that was returned first", first.value, value)
+    what = f"{comparing.OVERWRITTEN}the value that was returned first"
+    yield _again(what, first.value, alone.right_value)
     yield from _kept(gradients, right)
     for called, expected in ((first, right), (second, second_right)):
         for name, gradient in called.gradients().items():
             yield _again(f"called again, the gradient for {name}", gradient, expected[name])
     if case.get("layout") not in ("read-only", "broadcast"):
         implementation(*given)
-        for number, new in enumerate(others.values()):
-            given[number] = _filled(given[number], new)
+        given = [_filled(*both) for both in zip(given, others.values(), strict=True)]
         again = comparing.results(operation, implementation, given, comparing.copied(second.dy))
-        expected = [second_value, *second_right.values()]
+        expected = [second.right_value, *second_right.values()]
         for (what, result), other in zip(again.items(), expected, strict=True):
             yield _again(f"of the same arrays with other numbers, {what}", result, other)
         if not operation.drawn_by_caller:
@@ -336,7 +330,7 @@ def _strides(operation: Operation, implementation: Callable, case: Case) -> Find
     arguments = dict(zip(arguments, given, strict=True))  # broadcasting makes entries equal
     plain = _Called(operation, implementation, case, copies(arguments))
     laid_out = layout(plain.dy) if np.ndim(plain.dy) else plain.dy
-    expected = {"the value": np.copy(plain.value)}
+    expected = {"the value": plain.right_value}
     expected |= {f"the gradient for {n}": g for n, g in plain.kept(laid_out).items()}
     for what, result in comparing.results(operation, implementation, given, laid_out).items():
         both = (operation.alike(arguments, one) for one in (result, expected[what]))

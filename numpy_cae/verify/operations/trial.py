@@ -1,23 +1,28 @@
 """One property tried on one implementation, with the smallest case in which it fails."""
 
+import pickle
+import random
+import warnings
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from numpy_cae.verify.checks import written as writing
 from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.checks.mismatch import what_failed
+from numpy_cae.verify.checks.mismatch import STATE, Mismatch, what_failed
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import LONGEST_TEXT, error_text, written
 from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
+from numpy_cae.verify.operations.catalogue import example_call
 from numpy_cae.verify.operations.diagnosis import likely_mistake
-from numpy_cae.verify.operations.example import example_call
 from numpy_cae.verify.operations.property import OVERWRITTEN, Outcome, Property
-from numpy_cae.verify.operations.shared_state import call_keeping_state
 
 WATCHED = 4
 """WATCHED: one case in so many is checked for changes of global state, which is slow."""
 ONE_ARRAY = "Results are kept in one array: what a call returns is overwritten by the next."
+UNSTEADY = "called again with the same arguments, it returns something else"
 MAX_SHRINKS = 150
 """MAX_SHRINKS: so many simpler cases are tried to find a smaller counterexample."""
 
@@ -64,38 +69,35 @@ def try_property(
     last = Recorder(implementation)
     error = failure(tried, last, case)
     if error is not None and shrink and not isinstance(error, NotImplementedError):
-        failed = what_failed(error)
-
-        def fails_alike(simpler: Case) -> bool:
-            error = failure(tried, implementation, simpler)
-            return error is not None and what_failed(error) == failed
-
-        case = _smallest(case, tried.sizes, fails_alike)
+        case = _smallest(tried, implementation, case, what_failed(error))
         error = failure(tried, last, case)
-    failed = Outcome(tried, False, case=case, notes=tuple(notes), counterexample=str(case))
+    failed = Outcome(tried, False, UNSTEADY, str(case), case=case, notes=tuple(notes))
     if error is None:
-        problem = "called again with the same arguments, it returns something else"
-        return replace(failed, problem=problem)
+        return failed
+    kind, subject = what_failed(error)
     crashed = not isinstance(error, AssertionError)
     problem = error_text(error, file_of(implementation)) if crashed else str(error)[:LONGEST_TEXT]
     if isinstance(error, RecursionError | MemoryError):
         problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
     is_like_bugs = isinstance(error, AssertionError | ValueError | IndexError)
     mistake = likely_mistake(tried, implementation) if is_like_bugs else ""
-    if not mistake and what_failed(error)[1].startswith(OVERWRITTEN):
+    if not mistake and subject.startswith(OVERWRITTEN):
         mistake = ONE_ARRAY
     example = "\n".join(_described(tried, case, last, error))
-    failed = replace(failed, problem=problem, counterexample=example, mistake=mistake)
-    return replace(failed, kind=what_failed(error)[0], crashed=crashed)
+    why = {"problem": problem, "counterexample": example, "mistake": mistake, "kind": kind}
+    return replace(failed, **why, crashed=crashed)
 
 
-def _smallest(case: Case, sizes: Sizes, fails: Callable[[Case], bool]) -> Case:
+def _smallest(
+    tried: Property, implementation: Callable, case: Case, failed: tuple[str, str]
+) -> Case:
     """A case that fails in the same way; making any one size or class simpler would pass."""
-    tried = 0
-    while tried < MAX_SHRINKS:
-        for simpler in _simpler(case, sizes):
-            tried += 1
-            if fails(simpler):
+    count = 0
+    while count < MAX_SHRINKS:
+        for simpler in _simpler(case, tried.sizes):
+            count += 1
+            error = failure(tried, implementation, simpler)
+            if error is not None and what_failed(error) == failed:
                 case = simpler
                 break
         else:
@@ -186,6 +188,41 @@ def failure(
     except SystemExit:
         return RuntimeError("it calls sys.exit")
     return None
+
+
+def call_keeping_state(function: Callable, *arguments: object) -> None:
+    """Call a function; raise a Mismatch if it changes global state.
+
+    Before the call the state is made unusual, so that setting the usual state again is noticed.
+    """
+    shared = np.random.get_bit_generator()
+    numbers = shared.state
+    standard = random.getstate()
+    shared.random_raw()
+    random.random()
+    quiet = np.errstate(all="call", call=lambda *error: None)
+    try:
+        with warnings.catch_warnings(), np.printoptions(precision=17), quiet:
+            warnings.simplefilter("default", ImportWarning)
+            before = _state()
+            function(*arguments)
+            changed = [what for what, now in _state().items() if now != before[what]]
+    finally:
+        shared.state = numbers
+        random.setstate(standard)
+    if changed:
+        what = ", ".join(changed)
+        raise Mismatch(STATE, what, f"it changes {what}: the whole program shares that")
+
+
+def _state() -> dict[str, object]:
+    return {
+        "np.seterr": np.geterr(),
+        "np.set_printoptions": np.get_printoptions(),
+        "the state of np.random": pickle.dumps(np.random.get_bit_generator().state),
+        "the state of random": random.getstate(),
+        "the filters of warnings": list(warnings.filters),
+    }
 
 
 def _described(tried: Property, case: Case, last: Recorder, error: Exception) -> Iterator[str]:

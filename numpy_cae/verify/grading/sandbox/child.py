@@ -16,8 +16,7 @@ import numpy.ma  # noqa: F401  np.median imports it: too late where a file chang
 
 from numpy_cae.verify.checks.notes import noted
 from numpy_cae.verify.checks.written import error_text
-from numpy_cae.verify.grading.reply import reply_of
-from numpy_cae.verify.grading.report import tested
+from numpy_cae.verify.grading.report import reply_of, tested
 from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.case import Case
@@ -62,14 +61,13 @@ class Grading:
         left = sum(function in defined for function in wanted.values())
         results: dict[str, dict] = {}
         for name, function in wanted.items():
+            is_right = False
             if function in defined:
                 results[name] = self._outcomes(name, left)
                 left -= 1
-            outcomes = results.get(name, {}).get("outcomes", ())
-            is_right = "failed" not in results.get(name, {"failed": ""})
-            if name in self.request["replaced"] and not (
-                is_right and all(o["held"] for o in outcomes)
-            ):
+                failed = "failed" in results[name]
+                is_right = not failed and all(o["held"] for o in results[name]["outcomes"])
+            if name in self.request["replaced"] and not is_right:
                 self.instead[function] = self.catalogue[name].solution
         return {"failed": "", "problems": [], **loaded, "results": results}
 
