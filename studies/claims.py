@@ -19,7 +19,6 @@ from typing import Any
 from data_synth import plan_takes, write_series
 from numpy_cae.cli.shared.output import note
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.evaluation.half_removed import half_removed
 from numpy_cae.manifold import MotionManifold, learn_manifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, TrainingState, recipe
 from studies import (
@@ -32,6 +31,7 @@ from studies import (
     filters,
     interpolation,
     kinect,
+    repair_sweep,
     representation,
     sampling,
     sequences,
@@ -47,6 +47,7 @@ STUDIES = (
     sampling,
     unpoolings,
     filters,
+    repair_sweep,
     kinect,
     filling_in,
     interpolation,
@@ -63,7 +64,9 @@ SEQUENCES = {False: (15.0, 1000), True: (4.0, 200)}
 """Minutes of each action of jang2018 and steps of training, without --quick and with it."""
 DEPTH_EPOCHS = 2
 """DEPTH_EPOCHS: those of `depth` with --quick."""
-PAPER, BEST, BOTH = "the paper's", "best", ""
+PAPER = "the paper's"
+BEST = "best"
+BOTH = ""
 HEADER = ("statement", "network", "measured", "strongest simple opponent", "confirmed")
 Judged = list[tuple[str, Claim]]
 """The network that was judged, and a claim."""
@@ -107,7 +110,6 @@ def _holden2015(
     judged: Judged = []
     for name, path in files.items():
         manifold = load_manifold(path) if path else _trained(material, name, seed, progress)
-        judged += [(name, claim) for claim in _half_removed(manifold, material, seed)]
         for study in STUDIES:
             given = {"manifold": manifold, "material": material, "seed": seed}
             judged += [(name, claim) for claim in _claims(study, given)]
@@ -129,31 +131,6 @@ def _claims(study: ModuleType, given: dict[str, Any]) -> Sequence[Claim]:
     except (NumpyCaeError, ValueError, ArithmeticError) as error:
         note(f"{name} could not be run: {error}")
         return []
-
-
-def _half_removed(manifold: MotionManifold, material: Material, seed: int) -> list[Claim]:
-    """Of the table that `train` prints: the network, which is given the zeros as they are, beside
-    the best method that is given as much, and beside the best that is given the mask."""
-    halves = (material.training, material.testing)
-    takes = ([take.positions for take in half] for half in halves)
-    errors = {str(row[0]): float(row[2]) for row in half_removed(manifold, *takes, seed).rows}
-    before, network = errors["as damaged"], errors["the network"]
-    simple = [name for name in errors if "manifold" not in name and "network" not in name]
-    blind = min((n for n in simple if "mask" not in n), key=lambda name: errors[name])
-    given = min((n for n in simple if "mask" in n), key=lambda name: errors[name])
-    completed = errors["mask: completed by the manifold"]
-    figures = f"{before:.2f} cm before, {network:.2f} cm after;"
-    opponent = f"{blind}: {errors[blind]:.2f} cm."
-    return [
-        Claim("half_recovered", network < before / 2, figures, opponent=opponent),
-        Claim("better_than_simple", network < errors[blind], figures, opponent=opponent),
-        Claim(
-            "completed_better",
-            completed < errors[given],
-            f"{completed:.2f} cm;",
-            opponent=f"{given}: {errors[given]:.2f} cm.",
-        ),
-    ]
 
 
 def _jang2018(quick: bool, seed: int) -> Result:

@@ -7,13 +7,14 @@ It is future work in holden2015, section 7. docs/lab_book/constraints.md has the
 
 import numpy as np
 
-from numpy_cae.evaluation import bone_length_error, position_error
+from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.training import zero_values
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH
 from studies.constraints.constrained import project_constrained
+from studies.shared.body import bone_length_error
 from studies.shared.material import LabelledTake, Material, evenly
 from studies.shared.result import Claim, Result, Table, moving
 

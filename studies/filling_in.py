@@ -14,9 +14,10 @@ missing for a whole clip has no keys; `python -m studies damage` has holes betwe
 
 import numpy as np
 
-from numpy_cae.evaluation import jitter, position_error
+from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.fill import keyframe_mask
+from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import Motion, features_to_positions, joint_slice
@@ -24,7 +25,8 @@ from numpy_cae.motion.key_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
 from numpy_cae.repair.interpolated import on_curves
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
-from studies.shared.clips import NETWORK, REPEATED, project_repeated, testing_of
+from studies.shared.body import jitter
+from studies.shared.clips import testing_of
 from studies.shared.material import Material, evenly
 from studies.shared.result import Claim, Result, Table, moving
 
@@ -33,6 +35,7 @@ CURVE = " of the rotations, keys given"
 DELAY = (EVERY - 1) // 2
 """Mean number of frames that a held key lags behind."""
 MEAN_POSE, HELD, TRUE = "the mean pose", "held", "truth"
+NETWORK, REPEATED = "the network", "the network, ends repeated"
 WRISTS = ("left_wrist", "right_wrist")
 TARGET = 0.85
 """The wrist's error is to be below this share of the mean pose's."""
@@ -78,6 +81,13 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         {"filling_in": moving(motions, manifold.rate)},
         sample,
     )
+
+
+def project_repeated(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
+    """Φ†(Φ(X)) of windows padded with their first and last frames, as `MotionManifold.project` pads
+    a clip."""
+    projected = project_shifted(manifold.network, manifold.padded(x))
+    return manifold.unpadded(projected, x.shape[1])
 
 
 def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.evaluation import PCA
-from numpy_cae.evaluation.clips import Clips
+from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import POSITIONS
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
-from studies.shared.clips import split_of
+from studies.shared.clips import testing_of
 from studies.shared.material import Material
 from studies.shared.result import Claim, Result, Table, moving
 
@@ -30,6 +30,10 @@ SIGMAS = (1.0, 2.0, 4.0)
 """Widths of the Gaussian filters over time, frames."""
 MOST_LEFT = 2 / 3
 """MOST_LEFT: the result matches the truth far more closely if this share of the error is left."""
+CHOOSING_EVERY = 5
+"""CHOOSING_EVERY: of this many training takes, one is used to choose settings."""
+TRAINING_WINDOWS, CHOOSING_WINDOWS = 600, 48
+"""TRAINING_WINDOWS, CHOOSING_WINDOWS: at most so many windows, evenly spaced."""
 SEEN, NETWORK, TRUE = "seen by the Kinect", "the network", "truth"
 
 
@@ -38,13 +42,20 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 
     The width of the filter and the number of axes are chosen on training takes that are held back.
     """
-    split = split_of(manifold, material)
+    if len(material.training) < CHOOSING_EVERY:
+        raise ValueError(f"it needs {CHOOSING_EVERY} takes to train on, to choose settings")
+    takes = [take.positions for take in material.training]
+    held_back = takes[CHOOSING_EVERY - 1 :: CHOOSING_EVERY]
+    others = [take for number, take in enumerate(takes, start=1) if number % CHOOSING_EVERY]
+    choosing = clips_of(manifold, held_back).evenly(CHOOSING_WINDOWS)
+    testing, sample = testing_of(manifold, material)
     rng = np.random.default_rng(seed)
-    practice, seen = seen_windows(split.choosing, rng), seen_windows(split.testing, rng)
-    fitting, training = (PCA.fit(c.x.reshape(len(c), -1)) for c in (split.fitting, split.training))
+    practice = seen_windows(choosing, rng)
+    seen = seen_windows(testing, rng)
+    fitting, training = (_pca_of(manifold, each) for each in (others, takes))
 
     def chosen(method: Callable, trial: Callable, settings: tuple | list) -> np.ndarray:
-        return method(seen, min(settings, key=lambda s: split.choosing.error(trial(practice, s))))
+        return method(seen, min(settings, key=lambda s: choosing.error(trial(practice, s))))
 
     repaired = {
         SEEN: seen,
@@ -52,12 +63,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "PCA on windows": chosen(training.project, fitting.project, fitting.sizes),
         NETWORK: manifold.network.project(seen),
     }
-    errors = {name: split.testing.error(x) for name, x in repaired.items()}
+    errors = {name: testing.error(x) for name, x in repaired.items()}
     simple = min(list(errors)[1:3], key=lambda name: errors[name])
     left = errors[NETWORK] / errors[SEEN]
-    motions = [(TRUE, split.testing.x, TRUTH), (SEEN, seen, CORRUPTED)]
-    motions.append((NETWORK, repaired[NETWORK], PROJECTED))
-    drawn = {name: (manifold.denormalise(x[0]), colour) for name, x, colour in motions}
+    shown = {TRUE: (testing.x, TRUTH), SEEN: (seen, CORRUPTED)}
+    shown[NETWORK] = repaired[NETWORK], PROJECTED
+    drawn = {name: (manifold.denormalise(x[0]), colour) for name, (x, colour) in shown.items()}
     claim = Claim(
         "kinect_closer",
         left < MOST_LEFT,
@@ -70,7 +81,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         [Table("", ["method", "error, cm", "share left"], rows, best="low")],
         [claim],
         {"kinect": moving(drawn, manifold.rate)},
-        f"{split.sample} {split.fitted()}",
+        sample,
     )
 
 
@@ -87,6 +98,11 @@ def seen_windows(clips: Clips, rng: np.random.Generator) -> np.ndarray:
     x = clips.x.copy()
     x[..., POSITIONS] += off.reshape(windows, frames, -1) * clips.manifold.scale[POSITIONS]
     return x
+
+
+def _pca_of(manifold: MotionManifold, takes: list[np.ndarray]) -> PCA:
+    windows = clips_of(manifold, takes).evenly(TRAINING_WINDOWS).x
+    return PCA.fit(windows.reshape(len(windows), -1))
 
 
 def _filtered(x: np.ndarray, sigma: float) -> np.ndarray:

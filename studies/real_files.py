@@ -16,16 +16,17 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.evaluation import foot_sliding, jitter
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions, find_motion_files, load_motion
 from numpy_cae.motion import PARENTS, Motion
+from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.repair import PRESETS, Preset, repair
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Actor, strip_figure
+from studies.shared.body import jitter
 from studies.shared.result import Claim, Picture, Result, Table
 
 BEFORE, REPAIR, FILTER = "as it is", "repair", "ten lines"

@@ -13,7 +13,6 @@ tested on, which favours PCA; the linear map is fitted for each p.
     python -m studies sources --data bandai cmu/asfamc motions
 """
 
-from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -21,24 +20,21 @@ import numpy as np
 
 from numpy_cae.cli.shared.takes import each_usable
 from numpy_cae.evaluation.clips import clips_of
-from numpy_cae.evaluation.half_removed import COMPLETED, FITTED, GAUSSIAN, PCHIP, Repairs
+from numpy_cae.evaluation.half_removed import COMPLETED, GAUSSIAN, PCHIP, Repairs
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import load_body
-from numpy_cae.training import recipe, zero_values
+from numpy_cae.training import recipe
+from studies.repair_sweep import WINDOWS, Errors, swept
 from studies.shared.result import Claim, Result, Table
 
 RECIPE = "fast"
 PS = (0.5, 0.8, 0.9)
 SEEDS = 3
-WINDOWS = 60
-"""WINDOWS: at most this many windows are repaired, since the Gaussian takes a tenth of a second for
-each."""
 FIFTH = 5
-LEFT_OUT, SAME = "left out", "later takes of the same source"
+LEFT_OUT = "left out"
+SAME = "later takes of the same source"
 MOST = 0.65
 """MOST: completion should leave at most this share of the error of PCHIP."""
-Errors = dict[str, list[list[float]]]
-"""Method to its errors, cm, for each p and seed."""
 
 
 def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
@@ -68,18 +64,9 @@ def errors_on(
 ) -> Errors:
     """The errors of every method, fitted to takes (F, 20, 3), on windows of other takes."""
     manifold = learn_manifold(training, recipe(RECIPE), seed)
-    repairs = Repairs(manifold, clips_of(manifold, training).evenly(FITTED))
+    repairs = Repairs(manifold, clips_of(manifold, training))
     test = clips_of(manifold, testing).evenly(WINDOWS)
-    errors: Errors = defaultdict(list)
-    for p in PS:
-        of_seeds = defaultdict(list)
-        for each in range(seed, seed + SEEDS):
-            damaged = zero_values(test.x, p, np.random.default_rng(each))
-            for method, _, repaired in repairs.of(test, damaged, p):
-                of_seeds[method].append(test.error(repaired))
-        for method, each in of_seeds.items():
-            errors[method].append(each)
-    return errors
+    return swept(repairs, test, PS, range(seed, seed + SEEDS))
 
 
 def _table(caption: str, errors: Errors) -> Table:
@@ -93,10 +80,10 @@ def _spread(errors: Sequence[float]) -> str:
 
 def _claim(name: str, errors: Errors) -> Claim:
     """Whether completion is better than a curve and than the Gaussian on a source left out."""
-    own, curve, gaussian = (
-        np.mean(errors[method], axis=1) for method in (COMPLETED, PCHIP, GAUSSIAN)
-    )
-    better = bool(np.all(own <= MOST * curve) and np.all(own < gaussian))
-    ratios = ", ".join(f"{ratio:.2f}" for ratio in own / curve)
-    others = ", ".join(f"{ratio:.2f}" for ratio in own / gaussian)
+    completed = errors[COMPLETED].mean(axis=1)
+    curve = errors[PCHIP].mean(axis=1)
+    gaussian = errors[GAUSSIAN].mean(axis=1)
+    better = bool(np.all(completed <= MOST * curve) and np.all(completed < gaussian))
+    ratios = ", ".join(f"{ratio:.2f}" for ratio in completed / curve)
+    others = ", ".join(f"{ratio:.2f}" for ratio in completed / gaussian)
     return Claim("carries_over", better, f"{ratios} of PCHIP; {others} of the Gaussian.", name)

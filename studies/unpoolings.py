@@ -8,11 +8,11 @@ smooth animation with no high frequency noise".
 
 import numpy as np
 
-from numpy_cae.evaluation import jitter
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import features_to_positions
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
+from studies.shared.body import jitter
 from studies.shared.clips import testing_of
 from studies.shared.material import Material
 from studies.shared.result import Claim, Result, Table, moving

@@ -1,10 +1,7 @@
 """Measures of motion and baselines; `half_removed` and `reconstruction` have the tables that
 `train` and `demo` print."""
 
-from numpy_cae.evaluation.body import bone_length_error, jitter
 from numpy_cae.evaluation.errors import angle_distance, position_error
 from numpy_cae.evaluation.pca import PCA
-from numpy_cae.evaluation.samples import diversity, nearest_distance, nearest_neighbour_accuracy
-from numpy_cae.motion.contacts import foot_sliding
 
 __all__ = [name for name in dir() if not name.startswith("_")]

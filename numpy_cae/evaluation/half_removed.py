@@ -24,11 +24,17 @@ P = 0.5
 """The probability with which a value is removed."""
 FITTED = 2000
 """Baselines are fitted to at most this many windows, evenly spaced, to save memory and time."""
+DAMAGED = "as damaged"
 PRINCIPAL = "PCA on windows, input divided by 1 - p"
 LINEAR = "linear map of 15 frames"
+NETWORK = "the network"
+LINES = "mask: linear interpolation"
 PCHIP = "mask: monotone cubic (PCHIP)"
 GAUSSIAN = "mask: Gaussian of 15 frames"
 COMPLETED = "mask: completed by the manifold"
+SIMPLE = (PRINCIPAL, LINEAR)
+SIMPLE_WITH_MASK = (LINES, PCHIP, GAUSSIAN)
+"""SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
 HEADER = ("method", "reconstruction, cm", "half of the values removed, cm", "share")
 NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
@@ -53,36 +59,40 @@ def half_removed(
     fitted, test = (clips_of(manifold, takes) for takes in (training, testing))
     damaged = zero_values(test.x, P, np.random.default_rng(seed))
     before = test.error(damaged)
-    rows = [["as damaged", 0.0, before], ["the mean pose", *2 * [test.error(0 * test.x)]]]
-    for name, undamaged, repaired in Repairs(manifold, fitted.evenly(FITTED)).of(test, damaged, P):
-        rows.append([name, test.error(undamaged), test.error(repaired)])
-    rows = [[*row, row[2] / before] for row in rows]
+    rows = []
+    for name, undamaged, repaired in Repairs(manifold, fitted).of(test, damaged, P):
+        error = test.error(repaired)
+        rows.append([name, test.error(undamaged), error, error / before])
     return Table(f"{len(testing)} test takes, {len(test)} windows:", HEADER, rows, best="low")
 
 
 class Repairs:
     """The methods of the table, with baselines fitted to windows of training takes."""
 
-    def __init__(self, manifold: MotionManifold, fitted: Clips):
+    def __init__(self, manifold: MotionManifold, training: Clips):
         self.manifold = manifold
+        fitted = training.evenly(FITTED)
         self.pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
         self.gaussian = Gaussian.fit(fitted.x, fitted.real)
 
     def of(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
         """The name of each method, and what it makes of the undamaged windows and of the damaged
         ones, in which zeros, a share p of the values, are missing."""
+        x = test.x
+        yield DAMAGED, x, damaged
+        yield "the mean pose", 0 * x, 0 * x
         divided = damaged / (1 - zeroed_fraction(damaged))
         size = min(self.pca.sizes, key=lambda n: test.error(self.pca.project(divided, n)))
-        yield PRINCIPAL, *(self.pca.project(x, size) for x in (test.x, divided))
+        yield PRINCIPAL, self.pca.project(x, size), self.pca.project(divided, size)
         weights = self.gaussian.linear_map(p)
-        yield LINEAR, *(filtered(x, weights) for x in ((1 - p) * test.x, damaged))
-        for name, shifts in (("the network", False), ("the network, averaged over shifts", True)):
-            yield name, *(self.manifold.project_windows(x, shifts) for x in (test.x, damaged))
+        yield LINEAR, filtered((1 - p) * x, weights), filtered(damaged, weights)
+        for name, shifts in ((NETWORK, False), (f"{NETWORK}, averaged over shifts", True)):
+            yield name, *(self.manifold.project_windows(each, shifts) for each in (x, damaged))
         known = damaged != 0
-        yield "mask: linear interpolation", test.x, lines(damaged, known)
-        yield PCHIP, test.x, interpolated(damaged, known)
-        yield GAUSSIAN, test.x, self.gaussian.complete(damaged, known)
-        yield COMPLETED, test.x, self.manifold.complete_windows(damaged, known)
+        yield LINES, x, lines(damaged, known)
+        yield PCHIP, x, interpolated(damaged, known)
+        yield GAUSSIAN, x, self.gaussian.complete(damaged, known)
+        yield COMPLETED, x, self.manifold.complete_windows(damaged, known)
 
 
 def lines(x: np.ndarray, known: np.ndarray) -> np.ndarray:

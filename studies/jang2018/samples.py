@@ -14,11 +14,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae import evaluation
-from numpy_cae.evaluation import diversity, nearest_distance
 from numpy_cae.evaluation.table import Table
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
+from studies.jang2018.measures import diversity, nearest_distance, nearest_neighbour_accuracy
 from studies.jang2018.moving import gif
 from studies.jang2018.training import CLIPS, Study
 from studies.shared.result import Claim, Picture, Result
@@ -88,7 +87,7 @@ def _rows(study: Study, seed: int) -> list[list]:
     for source in (FITTED, PRIOR, REAL):
         clips = training if source == REAL else sample_clips(study, source, SAMPLES, seed)
         near, spread = nearest_distance(clips, held_out), diversity(clips)
-        accuracy = evaluation.nearest_neighbour_accuracy(held_out, clips)
+        accuracy = nearest_neighbour_accuracy(held_out, clips)
         measured = near / real_near, accuracy, spread / real_diversity
         rows.append([f"{study.action.name}: {source}", *measured])
     return rows

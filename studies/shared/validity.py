@@ -13,9 +13,9 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from numpy_cae.evaluation.body import bone_length_error, jitter
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.features import POSITIONS, features_to_positions
+from studies.shared.body import bone_length_error, jitter
 
 MAX_POSES = 12_000
 """Real poses kept; neighbouring frames are nearly equal."""

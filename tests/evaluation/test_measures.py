@@ -8,11 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from data_synth import make_take
-from numpy_cae import evaluation, mocap, motion
+from numpy_cae import mocap, motion
 from numpy_cae.evaluation.clips import Clips
-from numpy_cae.evaluation.samples import clip_distances
 from numpy_cae.motion import JOINTS
+from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.fit import body_skeleton
+from studies.jang2018.measures import (
+    clip_distances,
+    diversity,
+    nearest_distance,
+    nearest_neighbour_accuracy,
+)
+from studies.shared.body import bone_length_error, jitter
 from studies.shared.retrieval import average_precision
 from studies.shared.validity import Validity, ValidityMeasure
 
@@ -31,9 +38,9 @@ def test_a_falling_body_has_the_acceleration_of_gravity(rate):
     positions = np.zeros((20, 2, 3))
     positions[:, :, 1] = -9.81 / 2 * t[:, None] ** 2
     positions[:, :, 0] = 3.0 * t[:, None]
-    assert evaluation.jitter(positions, rate) == pytest.approx(9.81)
+    assert jitter(positions, rate) == pytest.approx(9.81)
     with pytest.raises(ValueError, match=r"\(2, 2, 3\), expected \(3 frames or more"):
-        evaluation.jitter(positions[:2], rate)
+        jitter(positions[:2], rate)
 
 
 def test_velocities_and_padded_frames_do_not_count_and_one_joint_can_count_alone():
@@ -63,7 +70,7 @@ def standing(frames: int = 20) -> np.ndarray:
 @given(st.floats(0.5, 2.0))
 def test_a_scaled_body_has_the_error_of_its_scale(size):
     expected = 100 * abs(size - 1) * np.sqrt(np.mean(LENGTHS[1:] ** 2))
-    assert evaluation.bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
+    assert bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
 
 
 @given(st.floats(0.0, 3.0), st.floats(-np.pi, np.pi))
@@ -71,17 +78,17 @@ def test_a_translated_pose_slides_at_its_speed(speed, direction):
     pushed = standing()
     path = np.arange(20)[:, None] / 30 * speed * np.array([[np.cos(direction), np.sin(direction)]])
     pushed[..., [0, 2]] += path[:, None]
-    assert evaluation.foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
-    assert evaluation.foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
+    assert foot_sliding(pushed, 30.0) == pytest.approx(100 * speed)
+    assert foot_sliding(pushed + [0, 1.0, 0], 30.0) == pytest.approx(100 * speed)
 
 
 def test_only_the_lower_foot_counts():
     hopping = standing()
     hopping[:, RIGHT_TOE, 1] += 0.02  # near the floor too, and fast
     hopping[:, RIGHT_TOE, 2] += np.arange(20)
-    assert evaluation.foot_sliding(hopping, 30.0) == 0
+    assert foot_sliding(hopping, 30.0) == 0
     hopping[:, LEFT_TOE, 1] += 0.03
-    assert evaluation.foot_sliding(hopping, 30.0) == pytest.approx(3000)
+    assert foot_sliding(hopping, 30.0) == pytest.approx(3000)
 
 
 def test_the_nearest_pose_equals_an_exhaustive_search(walk):
@@ -115,21 +122,17 @@ def test_the_distance_is_the_root_mean_square_and_diversity_its_mean_within_a_se
     a, b = drawn(3, 0), drawn(4, 1)
     direct = np.sqrt(((a[:, None] - b[None]) ** 2).mean(axis=(2, 3)))
     assert np.allclose(clip_distances(a, b), direct)
-    assert evaluation.nearest_distance(a, b) == pytest.approx(direct.min(axis=1).mean())
-    assert evaluation.diversity(np.repeat(a[:1], 5, axis=0)) == pytest.approx(0, abs=1e-7)
+    assert nearest_distance(a, b) == pytest.approx(direct.min(axis=1).mean())
+    assert diversity(np.repeat(a[:1], 5, axis=0)) == pytest.approx(0, abs=1e-7)
     within = clip_distances(a, a)
-    assert evaluation.diversity(a) == pytest.approx(
-        (within[0, 1] + within[0, 2] + within[1, 2]) / 3
-    )
+    assert diversity(a) == pytest.approx((within[0, 1] + within[0, 2] + within[1, 2]) / 3)
 
 
 def test_the_two_sample_test_of_equal_different_and_copied_sets():
     real = drawn(400, 0)
-    assert evaluation.nearest_neighbour_accuracy(real, drawn(400, 1)) == pytest.approx(
-        0.5, abs=0.05
-    )
-    assert evaluation.nearest_neighbour_accuracy(real, drawn(400, 1, shift=8.0)) == 1.0
-    assert evaluation.nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
+    assert nearest_neighbour_accuracy(real, drawn(400, 1)) == pytest.approx(0.5, abs=0.05)
+    assert nearest_neighbour_accuracy(real, drawn(400, 1, shift=8.0)) == 1.0
+    assert nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
 
 
 # Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).

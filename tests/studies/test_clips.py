@@ -5,7 +5,7 @@ import pytest
 
 from numpy_cae.evaluation.clips import clips_of
 from numpy_cae.manifold.shifted_projection import project_shifted
-from studies.shared.clips import project_repeated, split_takes
+from studies.filling_in import project_repeated
 
 
 @pytest.fixture(scope="module")
@@ -23,22 +23,10 @@ def test_the_error_is_in_centimetres(small_manifold, clips, labelled):
 
 
 def test_ends_repeated_equals_the_manifold_projection(small_manifold, clips):
-    for average in (False, True):
-        whole = small_manifold.project(small_manifold.denormalise(clips.x[0]), average)
-        ours = project_repeated(small_manifold, clips.x[:1], average)
-        np.testing.assert_allclose(small_manifold.denormalise(ours)[0], whole, atol=1e-5)
+    whole = small_manifold.project(small_manifold.denormalise(clips.x[0]))
+    ours = project_repeated(small_manifold, clips.x[:1])
+    np.testing.assert_allclose(small_manifold.denormalise(ours)[0], whole, atol=1e-5)
     held = small_manifold.padded(clips.x)
     assert held.shape[1] % small_manifold.stride == 0
     np.testing.assert_array_equal(held[:, 0], clips.x[:, 0])
     assert not np.allclose(project_shifted(small_manifold.network, clips.x[:1]), ours)
-
-
-def test_settings_are_chosen_on_takes_outside_the_first_fit(labelled):
-    for count in (2, 4, 5, 8):
-        fitting, choosing = split_takes(labelled.training[:count])
-        assert fitting and choosing
-        paths = [take.path for take in fitting], [take.path for take in choosing]
-        assert not set(paths[0]) & set(paths[1])
-        assert len(paths[0]) + len(paths[1]) == count
-    with pytest.raises(ValueError, match="1 takes to train on, expected 2 or more"):
-        split_takes(labelled.training[:1])

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from numpy_cae.evaluation.clips import clips_of
+from numpy_cae.evaluation.half_removed import DAMAGED, GAUSSIAN, LINEAR
 from numpy_cae.motion.key_curves import ROTATION_CURVES
-from studies import interpolation, repair_sweep
-from studies.interpolation import ALONG, ENDS, LINEAR
-from studies.repair_sweep import CORRUPTED_ROW
-from studies.shared.clips import NETWORK, project_repeated
+from studies import interpolation
+from studies.filling_in import NETWORK, project_repeated
+from studies.interpolation import ALONG, ENDS
+from studies.interpolation import LINEAR as STRAIGHT
 from studies.shared.material import Material
 from studies.shared.validity import Validity
 
@@ -16,12 +17,12 @@ BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
 
 
 def test_the_sweep_of_removed_values(result_of):
-    unknown, given = result_of("repair_sweep").tables
-    assert unknown.rows[0][0] == CORRUPTED_ROW
-    errors = np.array(unknown.rows[0][1:])  # they grow with the root of p
+    (table,) = result_of("repair_sweep").tables
+    assert table.rows[0][0] == DAMAGED
+    errors = np.array(table.rows[0][1:])  # they grow with the root of p
     np.testing.assert_allclose(errors / np.sqrt([0.1, 0.5, 0.9]), errors[1] / 0.5**0.5, rtol=0.1)
-    assert given.rows[0][1] < min(row[1] for row in unknown.rows)
-    assert unknown.value(repair_sweep.LINEAR, "p = 0.5") < unknown.value(CORRUPTED_ROW, "p = 0.5")
+    at = {name: table.value(name, "p = 0.5") for name in (GAUSSIAN, LINEAR, DAMAGED)}
+    assert at[GAUSSIAN] < at[LINEAR] < at[DAMAGED]
 
 
 def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
@@ -43,7 +44,7 @@ def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelle
     press_ups, styles = result.tables
     assert "2 pairs" in press_ups.caption and "1 pairs" in styles.caption
     for table in result.tables:
-        assert table.value(ENDS, BONES) < 0.5 < table.value(LINEAR, BONES)
+        assert table.value(ENDS, BONES) < 0.5 < table.value(STRAIGHT, BONES)
     one, other = interpolation.clips_of_pair(small_manifold, *labelled.testing[:2])
     assert len(one) == len(other) == 32
     np.testing.assert_allclose(interpolation.linear(one, other, 0.5), (one + other) / 2)
@@ -53,12 +54,12 @@ def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelle
 
 def test_a_claim_is_confirmed_if_all_measures_are_better():
     measured = {ENDS: Validity(0, 0, 4, 0), ALONG: Validity(1, 1, 3, 1)}
-    measured[LINEAR] = Validity(2, 2, 9, 2)
+    measured[STRAIGHT] = Validity(2, 2, 9, 2)
     claim = interpolation._claim("walks", measured)
     assert claim.confirmed and "on 4 of 4 measures" in claim.figures
-    measured[LINEAR] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
+    measured[STRAIGHT] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
     assert not interpolation._claim("walks", measured).confirmed
-    worse = interpolation._claim("walks", measured | {ALONG: measured[LINEAR]})
+    worse = interpolation._claim("walks", measured | {ALONG: measured[STRAIGHT]})
     assert "0 of 4 measures (none)" in worse.figures
 
 
