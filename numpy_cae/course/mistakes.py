@@ -59,7 +59,7 @@ def _of_one_call(stated: Property, function: Callable, case: Case) -> list[np.nd
         with np.errstate(all="ignore"):
             return [*_arrays(function(*given), case), *_arrays(given, case)]
     except (Exception, SystemExit) as error:
-        return [np.array(type(error).__name__)]
+        return [_named(error)]
 
 
 def _of_every_call(stated: Property, function: Callable, case: Case) -> list[np.ndarray]:
@@ -70,13 +70,19 @@ def _of_every_call(stated: Property, function: Callable, case: Case) -> list[np.
         try:
             returned = function(*arguments)
         except Exception as error:
-            seen.append(np.array(type(error).__name__))
+            seen.append(_named(error))
             raise
         seen.extend([np.array("returned"), *_arrays(returned, case), *_arrays(arguments, case)])
         return returned
 
     failure(stated, recorded, case)
     return seen
+
+
+def _named(error: BaseException) -> np.ndarray:
+    """The error by its type and text; of an AssertionError, the text is the student's own."""
+    is_own = isinstance(error, AssertionError)
+    return np.array(type(error).__name__ if is_own else repr(error))
 
 
 def _arrays(thing: object, case: Case) -> Iterator[np.ndarray]:

@@ -59,7 +59,7 @@ def test_what_the_student_reads_is_no_riddle():
     assert "FAILED  nothing there: NaN in place of the unknown" in str(filled)
     assert str(filled).count("expected") == 2  # both are those of the value
     staged = course.report("stage_inputs", lambda x, layers: [x] * (len(layers) + 1))
-    assert "returns is 2, expected 1: the input of layer 1" in " ".join(str(staged).split())
+    assert "returns is 2, expected 1: inputs[0]" in " ".join(str(staged).split())
 
     def in_place(x):
         x *= x

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from numpy_cae import course
-from numpy_cae.course.catalogue import EXERCISES
-from numpy_cae.course.mistakes import likely_mistake, patches_of, wrong_function
+from numpy_cae.course.catalogue import EXERCISES, diagnosis
+from numpy_cae.course.mistakes import patches_of, wrong_function
 from numpy_cae.course.suspects import SUSPECTS
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import bugs_of
@@ -33,7 +33,8 @@ def test_every_known_mistake_is_wrong_in_the_property_that_it_names(name):
 def test_every_known_mistake_is_recognised(name):
     stated, right = {p.name: p for p in EXERCISES[name].properties}, EXERCISES[name].solution
     for patch in patches_of(name):
-        named = likely_mistake(stated[patch.caught_by], wrong_function(patch, right), right)
+        diagnose = diagnosis(EXERCISES[name])
+        named = diagnose(stated[patch.caught_by], wrong_function(patch, right))
         assert named == patch.sentence or (name, patch.name) in SAME_VALUE, (patch.name, named)
 
 

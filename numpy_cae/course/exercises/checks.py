@@ -10,7 +10,12 @@ from inspect import signature
 
 import numpy as np
 
+<<<<<<< HEAD
 from numpy_cae.verify.checks.call import leaves
+=======
+from numpy_cae.verify.checks.call import require_shape
+from numpy_cae.verify.checks.leaves import leaves
+>>>>>>> 01a6a9be (Exercises: a property may be about one of several results or some columns, and a result may be a list; three mistakes of strangers are named, errors are told apart by their text; a numerical pullback keeps the points of its value)
 from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, Mismatch
 from numpy_cae.verify.operations.property import require_equal
 
@@ -77,12 +82,27 @@ class Recorded:
         return self.text
 
 
-def same_as(definition: Callable, *names: str) -> Check:
-    """A check that a function returns what a definition returns: an array or a number, which has
-    one name, or a tuple of these."""
+def same_as(definition: Callable, names: tuple[str, ...] = (), part=None) -> Check:
+    """A check that a function returns what a definition returns: an array, a number or a list of
+    arrays, which has one name, or a tuple of these.
+
+    `part` says what alone is compared: the name of one of several results, or the first column of
+    an array and the end of the columns.
+    """
 
     def check(function: Callable, case, **given: object) -> None:
-        require_same(function(*given.values()), definition(*map(deepcopy, given.values())), names)
+        returned = function(*given.values())
+        expected = definition(*map(deepcopy, given.values()))
+        if isinstance(part, str):
+            number = names.index(part)
+            returned = require_parts(returned, names)[number]
+            require_same(returned, expected[number], (part,))
+        elif part:
+            require_shape(names[0], np.asarray(returned), expected.shape)
+            columns = slice(*part)
+            require_same(np.asarray(returned)[:, columns], expected[:, columns], names)
+        else:
+            require_same(returned, expected, names)
 
     return check
 
@@ -99,6 +119,10 @@ def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
     names = names or tuple(f"value {number}" for number in range(len(expected)))
     require_parts(returned, names[: len(expected)])
     for name, one, other in zip(names, returned, expected, strict=False):
+        if isinstance(other, list):
+            parts = tuple(f"{name}[{number}]" for number in range(len(other)))
+            require_same(tuple(require_parts(one, parts)), tuple(other), parts)
+            continue
         if one is None:
             raise TypeError(f"{name} is None: is a return missing?")
         if np.asarray(one).dtype.kind not in "biuf":

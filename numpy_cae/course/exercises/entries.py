@@ -16,7 +16,8 @@ given       what a solution may call: operations, and exercises of earlier lesso
 hints       the hints that `course.report` prints with hint=1, a direction, and hint=2
 hint_for    with the second hint: the hint of a property that does not hold
 properties  the statement of each property, or a table with it and fields of `Property`;
-            `gradient` names the arrays whose gradients the property is about, "" being all
+            `gradient` names the arrays whose gradients the property is about, "" being all, and
+            `part` the only one of several results that it is about, or the only columns
 
 An exercise without arguments is an operation of `numpy_cae.ops`.
 """

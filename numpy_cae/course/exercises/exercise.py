@@ -101,7 +101,7 @@ class Stated:
 
     def _property(self, name: str, entry: Mapping) -> Property:
         options = {"examples": entry["examples"]} if "examples" in entry else {}
-        check = self._check(name, entry.get("gradient"))
+        check = self._check(name, entry.get("gradient"), entry.get("part"))
         form = REST if entry.get("form") else VALUE
         return Property(
             name,
@@ -115,7 +115,7 @@ class Stated:
             **options,
         )
 
-    def _check(self, name: str, gradient: str | None) -> Check:
+    def _check(self, name: str, gradient: str | None, part: str | list | None) -> Check:
         """The check that only this exercise has, or the usual one for this property."""
         if name == "purity":
             return purity
@@ -123,7 +123,7 @@ class Stated:
             return special
         returns = tuple(self.entries.get("returns", ()))
         if "inputs" not in self.entries:
-            return on_copies(same_as(self.solution, *returns))
+            return on_copies(same_as(self.solution, returns, part))
         differentiated = Differentiated(self.solution, self.inputs, returns)
         if gradient is None:
             return on_copies(getattr(differentiated, name))

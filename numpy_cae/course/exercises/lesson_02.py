@@ -7,9 +7,6 @@ from numpy_cae.course.solutions.lesson_02 import from_features, to_features, tur
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
-COLUMNS = {"positions": slice(0, 60), "velocity": slice(60, 62), "turn": slice(62, 63)}
-"""COLUMNS: the features that a property is about."""
-
 
 def headings(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
     """Angles that grow by up to 1.9 radians per frame, past whole turns."""
@@ -51,21 +48,6 @@ def _changes_of_heading(function, case, across):
     changes = np.diff(np.asarray(function(across)))
     expected = np.diff(headings(case, case.rng(), {}))
     require_equal("the change from frame to frame", changes, expected)
-
-
-def _check_columns(name: str, what: str) -> None:
-    @checks("to_features", name)
-    def check(function, case, positions, theta):
-        features = np.asarray(function(positions, theta))
-        expected = to_features(positions, theta)
-        if features.shape != expected.shape:
-            raise AssertionError(f"the features have shape {features.shape}, not {expected.shape}")
-        require_equal(what, features[:, COLUMNS[name]], expected[:, COLUMNS[name]])
-
-
-_check_columns("positions", "a position")
-_check_columns("velocity", "the velocity")
-_check_columns("turn", "the change")
 
 
 @checks("to_features", "elsewhere")

@@ -183,6 +183,7 @@ TRAPS = {
     "negative": (np.square, lambda x, dy: -2 * x * dy),
     "in other entries": (np.square, lambda x, dy: (2 * x * dy)[::-1]),
     "too small": (np.square, lambda x, dy: 2 * x * dy - 1),
+    "far too small": (np.square, lambda x, dy: 2 * x * dy - 9),
     "too large": (np.square, lambda x, dy: 2 * x * dy + 1),
     "one sum": (np.square, lambda x, dy: np.full(2, np.sum(2 * x * dy))),
     "of the right": (lambda x: np.maximum(x - AT, 0), lambda x, dy: dy),
