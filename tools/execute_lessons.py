@@ -1,6 +1,7 @@
 """Execute the instructor's copies of lessons in fresh kernels and store outputs and points.
 
-    python -m tools.execute_lessons 03 05       (without numbers: every lesson)
+    python -m tools.execute_lessons 03 05       (without numbers: every lesson and milestone)
+    python -m tools.execute_lessons milestone_07
     python -m tools.execute_lessons --store     the same without executing, after a change of text
 
 The package's copies for students are written, too.
@@ -16,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 from numpy_cae.course.catalogue import EXERCISES
-from numpy_cae.course.copies import PACKAGED, choose_lessons, student_copy
+from numpy_cae.course.copies import MILESTONES, PACKAGED, choose_lessons, student_copy
 from numpy_cae.course.mine import EMPTY, FILE, with_definitions
 from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 from numpy_cae.verify.grading.submission import is_exercise
@@ -83,10 +84,14 @@ def _failing(notebook: dict) -> str:
 
 
 def mine_before(lesson: Path) -> str:
-    """The text of mine.py with the solutions of all lessons before this one, in its folder."""
+    """The text of mine.py with the solutions of all lessons before this one, in its folder.
+
+    The milestone of lesson 07 comes after it and before lesson 07b.
+    """
     text = EMPTY
+    name = re.sub(r"milestone_(\d+)", r"\1_~", lesson.name)
     for path in find_lessons(lesson.parent):
-        if path.name < lesson.name:
+        if path.name < name:
             for cell in filter(is_exercise, read_notebook(path)["cells"]):
                 text = with_definitions(text, cell["source"])
     return re.sub("^ +### .* SOLUTION\n", "", text, flags=re.M)
@@ -117,7 +122,11 @@ def main() -> None:
     parser.add_argument("numbers", nargs="*", metavar="NN")
     parser.add_argument("--store", action="store_true", help="keep the outputs that are stored")
     args = parser.parse_args()
-    for path in choose_lessons(LESSONS, args.numbers):
+    every = sorted(LESSONS.glob(MILESTONES))
+    milestones = [path for path in every if path.stem in args.numbers or not args.numbers]
+    numbers = [number for number in args.numbers if not number.startswith("milestone")]
+    lessons = choose_lessons(LESSONS, numbers) if numbers or not args.numbers else []
+    for path in [*lessons, *milestones]:
         store(path, not args.store)
 
 

@@ -29,6 +29,8 @@ PACKAGED = Path(str(files(__package__) / "notebooks"))
 STUBBED = re.compile(f"( *){STUB[0]}\n *({re.escape(STUB[1])})")
 IN_REGION = rf"\1{BEGIN}\n\1\2\n\1{END}"
 """As `nbgrader generate_assignment` wants a stub."""
+MILESTONES = "milestone_*.ipynb"
+"""MILESTONES: notebooks without exercises, which run on mine.py alone."""
 
 
 def student_copy(notebook: dict) -> dict:
@@ -67,13 +69,15 @@ def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:
 
 
 def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool]]:
-    """Write the students' copies and mine.py; yields each file, and whether it was written.
+    """Write students' copies, the milestones beside them and mine.py; yields each file, and whether
+    it was written.
 
     An existing file is not changed.
     """
     if any(folder.resolve() == path.parent.resolve() for path in lessons):
         raise ValueError(f"{folder} holds the instructor's copies: name another folder")
-    copies = {path.name: student_copy(read_notebook(path)) for path in lessons}
+    sources = [*lessons, *sorted(lessons[0].parent.glob(MILESTONES))]
+    copies = {path.name: student_copy(read_notebook(path)) for path in sources}
     folder.mkdir(parents=True, exist_ok=True)
     for name, copy in copies.items():
         if new := not (folder / name).exists():

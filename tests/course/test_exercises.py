@@ -32,6 +32,10 @@ def unsolved(*arguments):
     raise NotImplementedError
 
 
+def zeros(positions, theta):
+    return np.zeros((len(positions), 63))
+
+
 @pytest.mark.parametrize("name", OWN)
 def test_the_solution_has_every_property_and_trivial_functions_fail(name):
     tried = EXERCISES[name]
@@ -60,17 +64,14 @@ def test_hints_come_in_stages_and_after_a_first_attempt():
     assert "not solved yet" in str(course.report("to_features", unsolved))
     assert "after your first attempt" in str(course.report("to_features", unsolved, hint=1))
 
-    def wrong(positions, theta):
-        return np.zeros((len(positions), 63))
-
-    shown = [str(course.report("to_features", wrong, hint=stage)) for stage in (0, 1, 2)]
+    shown = [str(course.report("to_features", zeros, hint=stage)) for stage in (0, 1, 2)]
     assert 'course.report("to_features", to_features, hint=1) in a cell of your own' in shown[0]
     assert "hint: three steps" in shown[1] and "subtract" not in shown[1]
     assert "hint: subtract the ground position" in shown[2]
     assert "only x and z of the hips" in shown[2]  # of a property
     assert "hint" not in str(course.report("to_features", EXERCISES["to_features"].solution))
     with pytest.raises(ValueError, match="hint is 1 or 2, got 3"):
-        course.report("to_features", wrong, hint=3)
+        course.report("to_features", zeros, hint=3)
 
 
 def test_every_exercise_has_points_hints_and_a_row_in_the_instructors_table():
@@ -120,9 +121,6 @@ def test_nbgrader_gets_the_points_of_the_command(monkeypatch, capsys):
 
 
 def test_a_counterexample_too_long_to_print_is_returned_by_example():
-    def zeros(positions, theta):
-        return np.zeros((len(positions), 63))
-
     assert 'example("to_features", frames=2, seed=0)' in str(course.report("to_features", zeros))
     example = course.example("to_features", frames=2, seed=0)
     assert list(example) == ["positions", "theta"] and example["positions"].shape == (2, 20, 3)

@@ -11,7 +11,7 @@ from PIL import Image
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.catalogue import LESSONS as EXERCISES_OF
-from numpy_cae.course.copies import student_copy
+from numpy_cae.course.copies import MILESTONES, student_copy
 from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
@@ -23,11 +23,13 @@ from tools.slides import deck, slides_of
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
-SLIDERS = {"01", "03", "05", "07b", "08", "09", "10", "11", "12"}
+SLIDERS = {"00", "01", "02", "03", "04", "05", "07b", "08", "09", "10", "11", "12"}
 DRAWS = ("plt.show()", "viz.strip_figure(", "viz.in_notebook(", "viz.slider_figure(")
 LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
 
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
+AND_MILESTONES = [*LESSONS, *sorted(FOLDER.glob(MILESTONES))]
+every_notebook = pytest.mark.parametrize("path", AND_MILESTONES, ids=lambda path: path.stem)
 
 
 def checks(notebook: dict) -> list[dict]:
@@ -55,7 +57,7 @@ def pictures(notebook: dict) -> tuple[int, int]:
     return sum(drawn), sum("motion-viewer" in shown(c, "text/html") for c in notebook["cells"])
 
 
-@every_lesson
+@every_notebook
 def test_stored_as_executed(path):
     notebook = read_notebook(path)
     assert notebook["metadata"]["numpy_cae"]["source_hash"] == source_hash(notebook), (
@@ -159,7 +161,7 @@ def test_links_to_the_glossary_name_its_headings(path):
 
 
 @pytest.mark.lessons
-@every_lesson
+@every_notebook
 def test_the_instructor_copy_runs_and_every_check_passes(path):
     ran = execute(read_notebook(path), mine_before(path))
     assert_all_points(ran)

@@ -33,8 +33,7 @@ def test_every_known_mistake_is_wrong_in_the_property_that_it_names(name):
 def test_every_known_mistake_is_recognised(name):
     stated, right = {p.name: p for p in EXERCISES[name].properties}, EXERCISES[name].solution
     for patch in patches_of(name):
-        diagnose = diagnosis(EXERCISES[name])
-        named = diagnose(stated[patch.caught_by], wrong_function(patch, right))
+        named = diagnosis(EXERCISES[name])(stated[patch.caught_by], wrong_function(patch, right))
         assert named == patch.sentence or (name, patch.name) in SAME_VALUE, (patch.name, named)
 
 
