@@ -10,12 +10,7 @@ from inspect import signature
 
 import numpy as np
 
-<<<<<<< HEAD
-from numpy_cae.verify.checks.call import leaves
-=======
-from numpy_cae.verify.checks.call import require_shape
-from numpy_cae.verify.checks.leaves import leaves
->>>>>>> 01a6a9be (Exercises: a property may be about one of several results or some columns, and a result may be a list; three mistakes of strangers are named, errors are told apart by their text; a numerical pullback keeps the points of its value)
+from numpy_cae.verify.checks.call import leaves, require_shape
 from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, Mismatch
 from numpy_cae.verify.operations.property import require_equal
 
