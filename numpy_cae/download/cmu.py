@@ -12,13 +12,9 @@ columns, the name of a file of the database and its checksum.
 import io
 import re
 import time
-import urllib.request
-from collections.abc import Callable, Sequence
-from functools import partial
-from http.client import HTTPException
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-from urllib.error import HTTPError
 
 from numpy_cae.errors import NumpyCaeError
 
@@ -88,16 +84,12 @@ def download_cmu(
         for name, address in _addresses(site, subjects).items():
             downloads.registry[name], downloads.urls[name] = None, address
         downloads.registry |= _read_checksums(folder / CHECKSUMS)
-        download = partial(_download, pooch.HTTPDownloader(timeout=PATIENCE))
         for name in downloads.urls:
             if not (folder / name).exists():
                 time.sleep(PAUSE)
-            path = Path(downloads.fetch(name, downloader=download))
-            _require_no_page(path)
+            path = downloads.fetch(name, downloader=_download)
             downloads.registry[name] = downloads.registry[name] or pooch.file_hash(path)
-    except (OSError, ValueError, HTTPException) as error:
-        if isinstance(error, HTTPError):
-            error.close()  # it holds the connection open
+    except (OSError, ValueError) as error:
         raise DownloadError(f"{site}: {error}") from None
     finally:
         known = sorted(pair for pair in downloads.registry.items() if pair[1])
@@ -107,32 +99,38 @@ def download_cmu(
     return [folder / name for name in downloads.urls]
 
 
-def _download(download: Callable, url: str, output: str, registry: object) -> None:
-    """Download a file with limits; `pooch` calls this."""
-    with open(output, "wb") as file:
-        download(url, _Limited(url, file, MOST_BYTES), registry)
+def _download(url: str, output: str, registry: object) -> None:
+    """Download a file; `pooch` calls this. ValueError if it begins as a web page does."""
+    received = _received(url)
+    if received[:100].lstrip().startswith(b"<"):
+        raise ValueError(f"{url}: is a web page (perhaps of a network to log in to)")
+    Path(output).write_bytes(received)
 
 
-class _Limited:
-    """A file to which a download of limited size and duration is written."""
+def _received(url: str) -> bytes:
+    import pooch
 
-    def __init__(self, url: str, file: Any, limit: int):
-        self.url, self.file, self.limit = url, file, limit
+    answer = _Limited(url)
+    pooch.HTTPDownloader(timeout=PATIENCE)(url, answer, None)
+    return answer.getvalue()
+
+
+class _Limited(io.BytesIO):
+    """Memory for a download of limited size and duration."""
+
+    def __init__(self, url: str):
+        super().__init__()
+        self.url = url
         self.begun = time.monotonic()
-        self.size = 0
 
-    def write(self, part: bytes) -> None:
+    def write(self, part: Any) -> int:
         """Write a part; ValueError if the download is too large or too slow."""
-        self.size += len(part)
-        if self.size > self.limit:
-            raise ValueError(f"{self.url}: sends more than {self.limit} bytes")
-        if time.monotonic() - self.begun > PATIENCE + self.size / SLOWEST:
+        size = self.tell() + len(part)
+        if size > MOST_BYTES:
+            raise ValueError(f"{self.url}: sends more than {MOST_BYTES} bytes")
+        if time.monotonic() - self.begun > PATIENCE + size / SLOWEST:
             raise ValueError(f"{self.url}: sends less than {SLOWEST} bytes a second")
-        self.file.write(part)
-
-    def flush(self) -> None:
-        """As the downloader asks for it."""
-        self.file.flush()
+        return super().write(part)
 
 
 def _read_checksums(path: Path) -> dict[str, str]:
@@ -148,27 +146,12 @@ def _read_checksums(path: Path) -> dict[str, str]:
     return checksums
 
 
-def _require_no_page(path: Path) -> None:
-    """ValueError if a file begins as a web page does; the file is deleted."""
-    with path.open("rb") as file:
-        is_page = file.read(100).lstrip().startswith(b"<")
-    if is_page:
-        path.unlink()
-        problem = "is a web page (perhaps of a network to log in to) and was deleted"
-        raise ValueError(f"{path}: {problem}")
-
-
 def _addresses(site: str, subjects: Sequence[int]) -> dict[str, str]:
     """The files to download, by their names in the folder: a skeleton before its takes."""
     addresses = {}
     for subject in subjects:
         number = f"{subject:02d}"
-        address = f"{site}/search.php?subjectnumber={subject}"
-        text = _Limited(address, io.BytesIO(), MOST_BYTES)
-        with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
-            while part := answer.read1(1 << 16):
-                text.write(part)
-        page = text.file.getvalue().decode("latin-1").lower()
+        page = _received(f"{site}/search.php?subjectnumber={subject}").decode("latin-1").lower()
         takes = sorted(set(re.findall(rf"\b{number}_\d{{2,3}}\.amc", page)))
         if not takes:
             raise ValueError(f"there are no takes of subject {subject}")

@@ -81,6 +81,6 @@ def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
 def test_problems_are_said(site, tmp_path, monkeypatch, error_of):
     words = ["download", "cmu", "-o", tmp_path / "cmu", "--site"]
     assert "404" in error_of(*words, f"{site[1]}/none", "--subjects", 9)
-    assert "unknown url type" in error_of(*words, "nowhere", "--subjects", 7)
+    assert "Invalid URL" in error_of(*words, "nowhere", "--subjects", 7)
     monkeypatch.setitem(sys.modules, "pooch", None)
     assert "pip install numpy_cae[download]" in error_of(*words, site[1], "--subjects", 7)
