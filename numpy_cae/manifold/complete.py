@@ -3,14 +3,15 @@
 holden2015, section 7, "Filling in Missing Data", projects a motion whose missing values are zero.
 Which values are missing is known, or visible: a measured value is hardly ever zero to the last
 digit. So the motion starts as an interpolation I of the known values over time. It is projected,
-P = Φ†(Φ(X)) averaged over all shifts of the pooling grid, and what the projection misses at the
-known values is interpolated too:
+P = Φ†(Φ(X)), and what the projection misses at the known values is interpolated too:
 
     X_0     = I(X)
     X_{n+1} = X where it is known,    P(X_n) + I(X - P(X_n)) elsewhere
 
-until n + 1 = N, or ‖X_{n+1} - X_n‖ < SETTLED ‖X_1 - X_0‖. The known values never change, and at
-their neighbours there is no jump.
+until n + 1 = N - 1, or ‖X_{n+1} - X_n‖ < SETTLED ‖X_1 - X_0‖. In one more step, the last, P is
+averaged over all shifts of the pooling grid, which takes as long as eight projections; averaged in
+every step it makes no better result (docs/lab_book/filling.md). The known values never change, and
+at their neighbours there is no jump.
 """
 
 from collections.abc import Callable
@@ -23,15 +24,15 @@ Interpolate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 PROJECTIONS = 5
 """PROJECTIONS: N is at most this."""
 SETTLED = 0.1
-"""SETTLED: iteration ends when a projection changes the unknown values by less than this share of
-what the first one changed (root mean squares)."""
+"""SETTLED: the last projection follows one that changes the unknown values by less than this share
+of what the first one changed (root mean squares)."""
 
 
 def completed(
     x: np.ndarray,
     known: np.ndarray,
     start: np.ndarray,
-    project: Callable[[np.ndarray], np.ndarray],
+    project: Callable[[np.ndarray, bool], np.ndarray],
     interpolate: Interpolate,
     projections: int = PROJECTIONS,
 ) -> np.ndarray:
@@ -45,26 +46,32 @@ def completed(
         Of the shape of x.
     start : array of float
         X_0.
-    project : function
-        P, an array of the shape of x to another.
+    project : function (values, averaged) -> values
+        P, averaged over all shifts or not.
     interpolate : function (values, known) -> values
         I.
     projections : int
-        N.
+        N, at least 1.
 
     Returns
     -------
     array of the shape of x
     """
-    completed = np.where(known, x, start)
-    first = 0.0
-    for _ in range(0 if known.all() else projections):
-        before = completed
-        projected = project(before)
+
+    def corrected(before: np.ndarray, averaged: bool = False) -> np.ndarray:
+        projected = project(before, averaged)
         missed = interpolate(np.where(known, x - projected, 0.0), known)
-        completed = np.where(known, x, projected + missed)
+        return np.where(known, x, projected + missed)
+
+    completed = np.where(known, x, start)
+    if known.all():
+        return completed
+    first = 0.0
+    for _ in range(projections - 1):
+        before = completed
+        completed = corrected(before)
         change = float(np.linalg.norm(completed - before))
         first = first or change
         if change < SETTLED * first:
             break
-    return completed
+    return corrected(completed, averaged=True)

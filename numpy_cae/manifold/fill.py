@@ -98,7 +98,7 @@ def corrected(
     if not share.any():
         return features
 
-    def project(points: np.ndarray) -> np.ndarray:
+    def project(points: np.ndarray, _averaged: bool) -> np.ndarray:
         moved = features.copy()
         local_positions(moved)[...] = points
         return local_positions(manifold.project(moved, average_shifts=True))

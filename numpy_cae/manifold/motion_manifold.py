@@ -174,11 +174,12 @@ class MotionManifold:
 
             X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
 
-        in normalised features. P is the projection averaged over all shifts of the pooling grid,
-        as `project` has it, and I is PCHIP over time, each feature by itself; before the first and
-        after the last known value this value is repeated. The iteration ends with X_5, or with the
-        first X_{n+1} for which ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. Memory is that of a projection
-        and about ten arrays of the size of the features.
+        in normalised features. P is the projection, and I is PCHIP over time, each feature by
+        itself; before the first and after the last known value this value is repeated. The
+        iteration ends with X_4, or with the first X_{n+1} for which
+        ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more step, in which the projection is
+        averaged over all shifts of the pooling grid, as `project` has it. Memory is that of a
+        projection and about ten arrays of the size of the features.
 
         Parameters
         ----------
@@ -224,9 +225,9 @@ class MotionManifold:
             raise ValueError(f"known has shape {known.shape}, expected {np.shape(features)}")
         x = self.normalise(np.where(known, features, self.mean_pose))[None].astype(np.float64)
 
-        def project(x: np.ndarray) -> np.ndarray:
+        def project(x: np.ndarray, averaged: bool) -> np.ndarray:
             x = x.astype(self.network.layers[0].w.dtype)
-            return self._project_clip(self._rescaled(x), average_shifts=True).astype(np.float64)
+            return self._project_clip(self._rescaled(x), averaged).astype(np.float64)
 
         found = completed(x, known[None], interpolated(x, known[None]), project, interpolated)[0]
         return np.where(known, features, self.denormalise(found))
@@ -237,13 +238,11 @@ class MotionManifold:
         To bound memory, `WINDOWS_AT_ONCE` windows are completed together; the iteration ends for
         all of these at the same time.
         """
-
-        def project(x: np.ndarray) -> np.ndarray:
-            return self.project_windows(x, average_shifts=True)
-
         parts = [slice(n, n + WINDOWS_AT_ONCE) for n in range(0, len(x), WINDOWS_AT_ONCE)]
         each = ((x[part], known[part]) for part in parts)
-        done = [completed(*one, interpolated(*one), project, interpolated) for one in each]
+        done = [
+            completed(*one, interpolated(*one), self.project_windows, interpolated) for one in each
+        ]
         return np.concatenate(done) if done else x
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:

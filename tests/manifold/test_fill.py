@@ -55,16 +55,14 @@ def plainly_completed(manifold, features, known):
 
     x = (features - manifold.mean_pose) * manifold.scale
     iterates = [np.where(known, x, curve(x))]
-    for _ in range(5):
+    last = False
+    while not last:
+        steps = np.linalg.norm(np.diff(iterates, axis=0), axis=(1, 2))
+        last = len(steps) == 4 or (len(steps) and steps[-1] < steps[0] / 10)
         whole = iterates[-1] / manifold.scale + manifold.mean_pose
-        projected = manifold.project(whole, average_shifts=True)
+        projected = manifold.project(whole, average_shifts=last)
         projected = (projected - manifold.mean_pose) * manifold.scale
         iterates.append(np.where(known, x, projected + curve(x - projected)))
-        if (
-            np.linalg.norm(iterates[-1] - iterates[-2])
-            < np.linalg.norm(iterates[1] - iterates[0]) / 10
-        ):
-            break
     return iterates[-1] / manifold.scale + manifold.mean_pose, len(iterates) - 1
 
 
