@@ -26,6 +26,15 @@ function metreGrid(squares) {
 
 const square = (value) => value - Math.round(value / SQUARE) * SQUARE;
 
+// Whether WebGL is computed by the processor.
+export function isSoftware() {
+  const context = document.createElement("canvas").getContext("webgl");
+  const names = context?.getExtension("WEBGL_debug_renderer_info");
+  const name = names ? context.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 export class Stage {
   // `light` is for slow computers: rough edges, fewer triangles and no shadow.
   constructor(canvas, motions, light = false) {
@@ -35,10 +44,6 @@ export class Stage {
     this.sharp = Math.min(window.devicePixelRatio, light ? 1 : 2);
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color();
-    this.scene.add(new THREE.HemisphereLight("#ffffff", "#9aa4ae", 2.2));
-    const sun = new THREE.DirectionalLight("#ffffff", 1.6);
-    sun.position.set(2, 4, 3);
-    this.scene.add(sun);
     this.grid = metreGrid(12);
     this.scene.add(this.grid);
     this.figures = motions.map((motion) => new Figure(motion));

@@ -1,7 +1,7 @@
 // Shows motions as moving skeletons. Every <script type="application/json" class="viewer-data"> of
 // the page is replaced by a viewer of the motions in it. Drawing is three.js's; see viewer.py for
 // the data.
-import { Stage } from "motion-stage";
+import { Stage, isSoftware } from "motion-stage";
 import { CURVES, Timeline } from "motion-timeline";
 import { FindingsPanel } from "motion-findings";
 import { centimetres, distance, readMotions } from "motion-data";
@@ -32,7 +32,9 @@ class Viewer {
     this.overlaid = data.overlaid;
     this.whole = box.classList.contains("whole");
     this.build(data);
-    this.stage = new Stage(this.canvas, motions);
+    this.lighter = Number(isSoftware());
+    this.tooHeavy = [0, 0];
+    this.stage = new Stage(this.canvas, motions, this.lighter > 0);
     this.observe();
     this.recolour();
     this.arrange();
@@ -47,12 +49,13 @@ class Viewer {
     Object.assign(this.box, { tabIndex: -1, role: "group", ariaLabel: `Animation: ${labels}` });
     const bar = element(this.box, "div", { className: "bar" }); // first: Play is the first stop of the keyboard
     const upper = element(this.box, "div", { className: "upper" });
-    this.area = element(upper, "div", { className: "stage" });
+    const picture = element(upper, "div", { className: "picture" });
+    this.buildLegend(element(picture, "div", { className: "legend" }), data);
+    this.area = element(picture, "div", { className: "stage" });
     this.canvas = element(this.area, "canvas", { role: "img" });
     this.canvas.ariaLabel = `Moving stick figures: ${labels}; ${this.frames} frames at ${Math.round(this.rate)} a second` +
       (data.findings.length ? "; what was found to be damaged is listed beside the picture" : "");
     this.names = element(this.area, "div", { ariaHidden: "true" });
-    this.buildLegend(element(this.area, "div", { className: "legend" }), data);
     this.joint = element(this.area, "div", { className: "joint", hidden: true });
     this.buildHelp(this.area);
     if (data.findings.length) {
@@ -161,7 +164,7 @@ class Viewer {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour(), { signal });
     this.themed = new MutationObserver(() => this.recolour());
     this.themed.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme", "style"] });
-    this.resized = new ResizeObserver(() => { this.nameBodies(); this.drawTimeline(); this.stage.draw(); });
+    this.resized = new ResizeObserver(() => { this.stage.draw(); this.nameBodies(); this.drawTimeline(); });
     this.resized.observe(this.area);
   }
 
@@ -263,7 +266,7 @@ class Viewer {
     if (panes.length < 2) return;
     panes.forEach(({ figures: [{ motion }], left, top, width, height }) => {
       const name = element(this.names, "span", { className: "name", textContent: motion.label });
-      Object.assign(name.style, { left: `${left}px`, top: `${top + height - 26}px`, width: `${width}px` });
+      Object.assign(name.style, { left: `${left}px`, bottom: `${this.stage.height - top - height + 4}px`, width: `${width}px` });
     });
   }
 
@@ -311,7 +314,9 @@ class Viewer {
       this.before = now;
       const [first, last] = this.loop ?? [0, this.frames - 1];
       const next = this.frame + seconds * this.rate * this.speed;
-      this.go(next >= last + 1 || next < first ? first : next);
+      const before = this.wholeFrame();
+      this.frame = next >= last + 1 || next < first ? first : next;
+      if (this.wholeFrame() !== before) this.go(this.frame);
       this.measure(seconds);
     }
     this.stage.draw();
@@ -326,8 +331,6 @@ class Viewer {
     if (passed < 2) return;
     this.fps = this.times.length / passed;
     this.times = [];
-    this.lighter ??= 0;
-    this.tooHeavy ??= [0, 0];
     if (this.fps < SLOW && this.lighter < 2) this.tooHeavy[this.lighter] += 1;
     const heavier = this.fps > FAST && this.tooHeavy[this.lighter - 1] < 2;
     const next = Math.min(this.lighter + (this.fps < SLOW) - heavier, 2);
