@@ -45,7 +45,7 @@ extensions = [
 ]
 # `paper.md` has the form of a journal and is no page of the site.
 exclude_patterns = ["paper.md", "site_files", "made", "lessons/downloads"]
-html_static_path = ["site_files", "../lessons/pictures"]
+html_static_path = ["site_files", "pictures", "../lessons/pictures"]
 html_css_files = ["site.css"]
 html_js_files = ["names.js"]
 html_extra_path = ["made/page"]  # the page that the example's command writes

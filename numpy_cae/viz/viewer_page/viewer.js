@@ -110,7 +110,7 @@ class Viewer {
     this.time = element(bar, "span", { className: "time" });
     this.button(bar, "from here", "A: repeat from here (a)", () => this.mark(0));
     this.button(bar, "to here", "B: repeat to here (b)", () => this.mark(1));
-    this.unmark = this.button(bar, "whole", "repeat all frames (c)", () => this.mark());
+    this.unmark = this.button(bar, "whole", "whole: repeat all frames (c)", () => this.mark());
     VIEWS.forEach((name) => this.button(bar, name, `seen from the ${name}`, () => this.stage.view(name)));
     this.followBox = this.checkbox(bar, "follow", this.follow);
     this.overlayBox = this.checkbox(bar, "overlay", this.overlaid);

@@ -1,0 +1,112 @@
+"""Take the pictures of docs/features.md: run its commands on synthetic motions.
+
+    python -m tools.features              (needs the extra `browser`, and Chromium)
+    python -m tools.features Compare      only these commands, by their headings
+
+A picture shows a page at one frame, a picture that the command itself wrote, or what it printed.
+"""
+
+import io
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+from data_synth import make_take
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.mocap import write_bvh
+from tools.readme_picture import damaged_walk
+
+DOCS = Path(__file__).parents[1] / "docs"
+WIDTH, HEIGHT, COLOURS = 1000, 720, 128
+FRAME = 50
+"""The frame that is shown of a page that plays motions."""
+FEATURE = re.compile(
+    r"## (?P<heading>.*)\n[^#]*?```sh\n(?P<command>.*)\n```\n\n"
+    r"(`(?P<shown>.*)`:\n\n)?!\[.*\]\((?P<picture>.*)\)"
+)
+"""FEATURE: of docs/features.md, the heading, the command, the file that the picture shows, or
+nothing where the picture shows what was printed, and the picture."""
+WRONG = """import numpy as np
+
+
+def transpose_filters(w):
+    turned = w.transpose(0, 2, 1)  # not reversed in time
+    return turned, lambda dy: dy.transpose(0, 2, 1)
+"""
+TERMINAL = (
+    "<body style='margin: 0; width: max-content'><pre style='margin: 0; padding: 16px; background: "
+    "#1d2733; color: #e3e8ee; font: 14px/1.4 monospace'>$ {}</pre>"
+)
+
+
+def write_motions(folder: Path) -> None:
+    """What the commands read: walks, runs, a damaged walk and a wrong function."""
+    (folder / "takes").mkdir()
+    for kind in ("walk", "run", "kick", "squats", "old_mans_walk"):
+        for seed in range(3):
+            motion = make_take(kind, seed, seconds=6.0, rate=30.0).motion
+            write_bvh(motion, folder / "takes" / f"{kind}_{seed}.bvh", unit=0.01)
+    for kind in ("walk", "run"):
+        shutil.copy(folder / "takes" / f"{kind}_0.bvh", folder / f"{kind}.bvh")
+    damaged = damaged_walk(make_take("walk", 7001, seconds=6.0, rate=30.0).motion)
+    write_bvh(damaged, folder / "damaged.bvh", unit=0.01)
+    shutil.copy(folder / "damaged.bvh", folder / "takes")
+    (folder / "conv.py").write_text(WRONG, encoding="utf-8")
+
+
+def picture_of(page: Page, shown: Path, printed: str) -> bytes:
+    """The PNG of a page, of a picture, or of what was printed."""
+    if shown.suffix == ".png":
+        return shown.read_bytes()
+    if shown.suffix != ".html":
+        page.set_content(TERMINAL.format(escape(printed)))
+        return page.locator("pre").screenshot()
+    page.goto(shown.as_uri())
+    if page.locator("script.viewer-data, .viewer").count():
+        page.wait_for_function("window.motionViewers?.()[0]?.stage", timeout=60_000)
+        page.evaluate(
+            "frame => { const [viewer] = motionViewers(); viewer.redraw(false); "
+            "viewer.scrub(frame); viewer.stage.draw(); }",
+            FRAME,
+        )
+    return page.screenshot()
+
+
+def write_small(picture: bytes, path: Path) -> None:
+    """Write a PNG with at most `WIDTH` pixels across and `COLOURS` colours."""
+    with Image.open(io.BytesIO(picture)) as full:
+        small = full.convert("RGB")
+    small.thumbnail((WIDTH, 2 * HEIGHT), Image.Resampling.LANCZOS)
+    with atomic_write(path) as temporary:
+        small.quantize(COLOURS).save(temporary, "PNG", optimize=True)
+
+
+def write_pictures(folder: Path, chosen: list[str], picture: Callable[[Path, str], bytes]) -> None:
+    """Run the chosen commands of the page, by default all, and write their pictures."""
+    for found in FEATURE.finditer((DOCS / "features.md").read_text(encoding="utf-8")):
+        command, shown = found["command"], found["shown"] or ""
+        if not chosen or found["heading"] in chosen:
+            words = f"{sys.executable} -m {command.replace('-', '_', 1)}"
+            done = subprocess.run(words, shell=True, cwd=folder, capture_output=True, text=True)
+            print(f"{command}: {done.returncode} {done.stderr[-200:]}", flush=True)
+            written = picture(folder / shown, f"{command}\n{done.stdout}")
+            write_small(written, DOCS / found["picture"])
+
+
+if __name__ == "__main__":
+    with TemporaryDirectory() as temporary, sync_playwright() as playwright:
+        write_motions(Path(temporary))
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+        )
+        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+        write_pictures(Path(temporary), sys.argv[1:], partial(picture_of, page))
