@@ -1,10 +1,10 @@
 """How often repair changes motion without damage, and how certain its findings are.
 
-Every `every`-th file of the folders, SECONDS of its middle, at several rates: frames are left out
-where that gives the rate, else the motion is resampled. Each is repaired as it is, also as a body
-of half and of twice the size; and with damage planted, of kinds and onsets drawn at random. A
-finding is right if at least half of the joints and frames that it says are damaged, or next to
-damage.
+Every `every`-th file of the folders, SECONDS of its middle, and synthetic takes of fast actions, at
+several rates: frames are left out where that gives the rate, else the motion is resampled. Each is
+repaired as it is, also as a body of half and of twice the size; and with damage planted, of kinds
+and onsets drawn at random. A finding is right if at least half of the joints and frames that it
+says are damaged, or next to damage.
 
     python -m studies clean_motion --data cmu/asfamc bandai
 
@@ -12,12 +12,13 @@ docs/lab_book/evidence.md has the figures.
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from data_synth import make_take
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.motion import Motion
@@ -29,6 +30,8 @@ from studies.shared.result import Result, Table
 
 SECONDS, RATES, SIZES = 6.0, (24.0, 25.0, 30.0, 60.0, 120.0), (1.0, 0.5, 2.0)
 PLANTED = (*EASED, "spikes", "dropped frames", "jitter of some joints")
+FAST, SYNTHETIC_TAKES = ("run", "kick", "walk_with_turn", "punch", "jumping_jacks"), 4
+"""FAST: synthetic actions, of each of which so many takes are repaired."""
 CONFIDENCES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.01)
 """CONFIDENCES: findings are counted between these."""
 CHANGED = 0.02
@@ -41,17 +44,16 @@ def run(manifold: MotionManifold, folders: Sequence[Path], every: int = 8, seed:
     """Repair clean and damaged takes at all rates."""
     clean: dict[str, list[float]] = defaultdict(list)
     right: dict[tuple[float, int], list[bool]] = defaultdict(list)
-    for folder in folders:
-        for number, path in enumerate(find_motion_files(folder)[::every]):
-            for rate, take in at_rates(load_motion(path)):
-                for size in SIZES:
-                    repaired = repair(scaled(take, size), manifold)
-                    name = f"{Path(folder).name}, {rate:g} Hz, size {size:g}"
-                    clean[name].append(repaired.moved.max(initial=0.0) / size)
-                rng = np.random.default_rng([seed, number])
-                for confidence, is_right in judged(take, manifold, rng):
-                    row = int(np.searchsorted(CONFIDENCES, confidence, "right"))
-                    right[rate, row].append(is_right)
+    for source, number, motion in _takes(folders, every):
+        for rate, take in at_rates(motion):
+            for size in SIZES:
+                repaired = repair(scaled(take, size), manifold)
+                name = f"{source}, {rate:g} Hz, size {size:g}"
+                clean[name].append(repaired.moved.max(initial=0.0) / size)
+            rng = np.random.default_rng([seed, number])
+            for confidence, is_right in judged(take, manifold, rng):
+                row = int(np.searchsorted(CONFIDENCES, confidence, "right"))
+                right[rate, row].append(is_right)
     changed = [
         [name, len(moved), int(np.sum(np.array(moved) > 0)), np.sum(np.array(moved) > CHANGED)]
         for name, moved in clean.items()
@@ -64,6 +66,17 @@ def run(manifold: MotionManifold, folders: Sequence[Path], every: int = 8, seed:
         ],
         [],
     )
+
+
+def _takes(folders: Sequence[Path], every: int) -> Iterator[tuple[str, int, Motion]]:
+    """Each take: its source, its number within the source, and its motion."""
+    for folder in folders:
+        for number, path in enumerate(find_motion_files(folder)[::every]):
+            yield Path(folder).name, number, load_motion(path)
+    for kind in FAST:
+        for number in range(SYNTHETIC_TAKES):
+            motion = make_take(kind, number, seconds=SECONDS, rate=max(RATES)).motion
+            yield f"synthetic {kind.replace('_', ' ')}", number, motion
 
 
 def at_rates(motion: Motion) -> list[tuple[float, Motion]]:

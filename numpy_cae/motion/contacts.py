@@ -98,11 +98,22 @@ def foot_sliding(positions: np.ndarray, rate: float) -> float:
     positions = np.asarray(positions, dtype=np.float64)
     if positions.shape[1:] != (len(JOINTS), 3):
         raise ValueError(f"positions have shape {positions.shape}, expected (F, {len(JOINTS)}, 3)")
-    if len(positions) < 2:
-        return 0.0
-    toes = positions[:, FEET]
-    height = (toes[1:, :, 1] + toes[:-1, :, 1]) / 2
-    lower, frames = height.argmin(axis=1), np.arange(len(height))
-    speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)[frames, lower] * rate
-    contact = height[frames, lower] <= floor_height(positions) + STANDING_METRES
-    return float(100 * speed[contact].mean()) if contact.any() else 0.0
+    speeds = foot_speeds(positions, rate)
+    lower, stands = lower_foot(positions)
+    return float(speeds[np.arange(len(lower)), lower][stands].mean()) if stands.any() else 0.0
+
+
+def foot_speeds(positions: np.ndarray, rate: float) -> np.ndarray:
+    """The speeds of both toes along the floor, from each frame to the next, (F - 1, 2) in
+    centimetres a second."""
+    toes = np.asarray(positions, dtype=np.float64)[:, FEET]
+    return 100 * rate * np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)
+
+
+def lower_foot(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """From each frame to the next the index in `FEET` of the lower toe, and whether that is on the
+    floor, (F - 1,) each."""
+    heights = np.asarray(positions)[:, FEET, 1]
+    height = (heights[1:] + heights[:-1]) / 2
+    floor = floor_height(positions) if len(height) else 0.0
+    return height.argmin(axis=1), height.min(axis=1) <= floor + STANDING_METRES

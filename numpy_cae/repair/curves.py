@@ -133,6 +133,13 @@ def body_size(motion: Motion) -> float:
     return float(length / LEG_METRES) or 1.0
 
 
+def usual_body(motion: Motion) -> np.ndarray:
+    """The twenty joints of a motion, as those of a body of usual size, (frames, 20, 3) in metres.
+
+    What is judged by these metres is judged alike for characters of any size."""
+    return body_positions(motion) / body_size(motion)
+
+
 def levers_of(skeleton: Skeleton) -> np.ndarray:
     """The distance from each joint of a rig to the furthest joint or end below it, (J,) metres."""
     levers = np.full(len(skeleton.names), LEAST_LEVER_METRES)

@@ -4,7 +4,8 @@ A foot stands while its toe is low and slow. The place where it stands is the me
 that time, at the height at which toes stand in this motion. The displacement from the toe to that
 place fades out before and after (`EASE_SECONDS`). The root takes the mean displacement of both
 feet, filtered (`PATH_HERTZ`), so that the legs change little; each leg takes the rest by its own
-two bones, which keep their lengths (`mocap.retarget.to_rig.bent`).
+two bones, which keep their lengths (`mocap.retarget.to_rig.bent`). All metres are those of a body
+of usual size (`curves.usual_body`).
 """
 
 from dataclasses import replace
@@ -12,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.motion.contacts import FEET, foot_sliding
 from numpy_cae.motion.filters import butterworth
@@ -20,6 +20,7 @@ from numpy_cae.motion.fit import bent
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
+from numpy_cae.repair.curves import body_size, usual_body
 from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.root_path import CALM_SECONDS, PATH_HERTZ, moved_along, path_of_root
@@ -130,7 +131,7 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
 
 def _sliding(motion: Motion) -> float:
     """How fast standing feet slide, cm/s."""
-    return foot_sliding(body_positions(motion), motion.rate)
+    return foot_sliding(usual_body(motion), motion.rate)
 
 
 def _jumps(motion: Motion) -> np.ndarray:
@@ -157,13 +158,14 @@ def _standing(motion: Motion, stances: list[Stance]) -> Motion:
     shift, weight = _shifts(motion, stances)
     root = shift.sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0)
     root = butterworth(root, PATH_HERTZ, motion.rate)
-    body = body_positions(motion)
+    body = usual_body(motion)
     targets = body + root[:, None]
     for foot, (hip, knee, ankle, toe) in enumerate(LEGS):
         targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
         chain = body[:, [hip, knee, ankle]]
         targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
     changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > RESTING_METRES)
+    targets *= body_size(motion)
     return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1))
 
 
@@ -187,7 +189,7 @@ def _shifts(motion: Motion, stances: list[Stance]) -> tuple[np.ndarray, np.ndarr
 
 def _toes(motion: Motion) -> tuple[np.ndarray, float]:
     """The places of both toes, (frames, 2, 3) in metres, and the height at which they stand."""
-    toes = body_positions(motion)[:, FEET]
+    toes = usual_body(motion)[:, FEET]
     lower = toes[..., 1].min(axis=1)
     step = np.linalg.norm(np.diff(toes, axis=0, append=toes[-1:]), axis=-1).min(axis=1)
     slow = step * motion.rate < SLOW

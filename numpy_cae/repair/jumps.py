@@ -13,6 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.filters import (
     LEAST_FRAMES,
     filter_motion,
@@ -188,6 +189,10 @@ def _rough_on_the_way(motion: Motion, jumps: np.ndarray) -> np.ndarray:
         path = motion.skeleton.path(joint)
         roughest = rough[:, path].max(axis=1, keepdims=True)
         there[:, path] |= jumps[:, [column]] & (rough[:, path] >= ROUGH_SHARE * roughest)
+    # With the root the legs are filtered, too: else feet that stand would slide.
+    joints = rig_of(motion).joints
+    legs = [joint for toe in FEET for joint in motion.skeleton.path(joints[toe])]
+    there[:, legs] |= there[:, motion.skeleton.path(joints[0])].any(axis=1, keepdims=True)
     return there
 
 

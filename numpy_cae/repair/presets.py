@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import body_size
+from numpy_cae.repair.curves import usual_body
 from numpy_cae.repair.interpolated import with_finite_values
 from numpy_cae.repair.jumps import sharp_steps
 
@@ -93,7 +92,7 @@ def shaking(motion: Motion) -> float:
     some = motion.resampled(30.0) if motion.rate > 40 else motion
     if len(some) < 4:
         return 0.0
-    change = np.diff(body_positions(some) / body_size(some), 3, axis=0) * some.rate**2
+    change = np.diff(usual_body(some), 3, axis=0) * some.rate**2
     return float(np.median(np.linalg.norm(change, axis=-1)))
 
 
@@ -101,4 +100,4 @@ def _jumps_and_slides(motion: Motion) -> bool:
     jumps = sharp_steps(motion).any(axis=1).sum()
     if jumps <= max(JUMPING_SHARE * len(motion), JUMPING_FRAMES):
         return False
-    return bool(foot_sliding(body_positions(motion) / body_size(motion), motion.rate) > SLIDING)
+    return bool(foot_sliding(usual_body(motion), motion.rate) > SLIDING)

@@ -22,14 +22,14 @@ import numpy as np
 
 from numpy_cae.manifold.fill import checked_mask, corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.mocap.retarget.body import Body, body_positions
-from numpy_cae.motion.contacts import foot_sliding
-from numpy_cae.motion.joints import LIMBS
+from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.motion.contacts import foot_speeds, lower_foot
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion, require_finite
+from numpy_cae.repair.curves import usual_body
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import BODY, Finding, marked, shifted, usable
+from numpy_cae.repair.finding import Finding, marked, shifted, usable
 from numpy_cae.repair.holes import holes_of
 from numpy_cae.repair.interpolated import (
     POSITION_KINDS,
@@ -60,14 +60,16 @@ LONG_SECONDS = 0.1
 FILLED_KINDS = ("repeated", "frozen", "displaced", "not finite")
 """FILLED_KINDS: the manifold fills in findings of these kinds where they are long, and those of
 `POSITION_KINDS`."""
-LEG_JOINTS = {BODY, "hips", "left_hip", "right_hip", *LIMBS["left_leg"], *LIMBS["right_leg"]}
 NEAR_SECONDS = 0.25
-"""NEAR_SECONDS: jumps are counted within this time of the damage (s)."""
-SLIDING_SHARE = 0.2
+"""NEAR_SECONDS: jumps and sliding feet are looked at within this time of the damage (s)."""
+SLIDING_SHARE = 0.1
 """SLIDING_SHARE: feet slide more if their speed grows by more than this share of it, and by more
 than `SLIDING_CENTIMETRES`."""
-SLIDING_CENTIMETRES = 5.0
+SLIDING_CENTIMETRES = 2.0
 """SLIDING_CENTIMETRES: and by more than this (cm/s)."""
+ROUNDS = 4
+"""ROUNDS: a step is taken at most this often, each time without the findings near which the motion
+became worse."""
 
 
 class Step(NamedTuple):
@@ -234,36 +236,56 @@ def _mended(motion: Motion, damage: list[Finding], step: Step) -> tuple[Motion, 
 def _mended_if_better(
     motion: Motion, damage: list[Finding], step: Step
 ) -> tuple[Motion, list[Finding]]:
-    """The motion after a step, and its findings. Where feet slide more or joints jump more, the
-    findings in the legs are left; where that does not help, all are."""
+    """The motion after a step, and its findings. Those near which more joints jump, or feet slide
+    more, are left; all are left where too many jumps remain."""
     sure = [finding for finding in damage if finding.status == "repaired"]
-    legs = [finding for finding in sure if finding.joint in LEG_JOINTS]
-    others = [finding for finding in sure if finding.joint not in LEG_JOINTS]
-    done: list[Finding] = []
-    for some in (sure, others, legs) if legs and others else (sure,):
-        mended = step.mend(motion, some) if some else motion
-        if some and is_better(mended, motion, some, step):
-            motion = mended
-            done = some
+    done = sure
+    mended = motion
+    for _ in range(ROUNDS):
+        mended = step.mend(motion, done) if done else motion
+        worse = _worse(mended, motion, done, step)
+        done = [finding for finding in done if finding not in worse]
+        if not worse:
             break
+    else:
+        mended = motion
+        done = []
     left = [replace(finding, status="left") for finding in sure if finding not in done]
-    return motion, done + left + [finding for finding in damage if finding not in sure]
+    return mended, done + left + [finding for finding in damage if finding not in sure]
 
 
-def is_better(after: Motion, before: Motion, damage: list[Finding], step: Step) -> bool:
-    """Whether a step has left no more jumps near some damage than `step.jumps_left` of those
-    before, and, if it filters, whether standing feet slide no more."""
+def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> list[Finding]:
+    """The findings near which a step has made the motion worse; all if more than the share
+    `step.jumps_left` of the jumps near any of them is left."""
+    margin = round(NEAR_SECONDS * before.rate)
     near = np.zeros((len(before), 1), bool)
     for finding in damage:
         near[finding.stretch] = True
-    frames = np.flatnonzero(with_margin(near, round(NEAR_SECONDS * before.rate))[:-1])
-    jumps = [int(jumping_steps(motion, frames).sum()) for motion in (before, after)]
-    if jumps[1] > step.jumps_left * jumps[0]:
-        return False
-    if step.find is not find_jumps:  # a body that was still did not slide
-        return True
-    slides = [foot_sliding(body_positions(motion), motion.rate) for motion in (before, after)]
-    return slides[1] - slides[0] <= max(SLIDING_SHARE * slides[0], SLIDING_CENTIMETRES)
+    frames = np.flatnonzero(with_margin(near, margin)[:-1])
+    jumps = [jumping_steps(motion, frames).sum(axis=1) for motion in (before, after)]
+    if jumps[1].sum() > step.jumps_left * jumps[0].sum():
+        return damage
+    slides = np.zeros((2, len(before)))
+    if step.find is find_jumps:  # a body that was still did not slide
+        slides[:, :-1] = _slides(before, after)
+    worse = []
+    for finding in damage:
+        there = slice(max(finding.stretch.start - margin, 0), finding.stretch.stop + margin)
+        more = jumps[1][there].sum() > jumps[0][there].sum()
+        slide = slides[:, there].sum(axis=1) / max(np.count_nonzero(slides[0, there]), 1)
+        slid = slide[1] - slide[0] > max(SLIDING_SHARE * slide[0], SLIDING_CENTIMETRES)
+        if more or slid:
+            worse.append(finding)
+    return worse
+
+
+def _slides(before: Motion, after: Motion) -> np.ndarray:
+    """How fast the foot that stands before a step slides before it and after it, 0 where none
+    stands, (2, frames - 1) in centimetres a second."""
+    bodies = [usual_body(motion) for motion in (before, after)]
+    lower, stands = lower_foot(bodies[0])
+    speeds = [foot_speeds(body, before.rate)[np.arange(len(lower)), lower] for body in bodies]
+    return np.where(stands, speeds, 0.0)
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:

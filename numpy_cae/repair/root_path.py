@@ -16,6 +16,7 @@ from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.filters import butterworth, median_of
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
+from numpy_cae.repair.curves import body_size, usual_body
 
 LEFT_LEG = [JOINTS.index(f"left_{joint}") for joint in ("hip", "knee", "ankle")]
 HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]
@@ -41,8 +42,9 @@ noise of 3°, they are at most 0.23 m apart."""
 
 
 def path_of_root(motion: Motion) -> np.ndarray:
-    """What the path of the root lacks, (frames, 3) in metres: 0 if the root follows the feet."""
-    body = body_positions(motion)
+    """What the path of the root lacks, (frames, 3) in metres of a body of usual size: 0 if the root
+    follows the feet."""
+    body = usual_body(motion)
     toes = body[:, FEET]
     hips = body[:, 0]
     lower_height = toes[..., 1].min(axis=1)
@@ -67,8 +69,8 @@ def path_of_root(motion: Motion) -> np.ndarray:
 
 
 def moved_along(motion: Motion, path: np.ndarray) -> Motion:
-    """The motion with its whole body moved along a path (frames, 3)."""
-    return retarget(motion, body_positions(motion) + path[:, None])
+    """The motion with its whole body moved along a path (frames, 3) of `path_of_root`."""
+    return retarget(motion, body_positions(motion) + body_size(motion) * path[:, None])
 
 
 def _steps_of_feet(root_steps: np.ndarray, toes: np.ndarray) -> np.ndarray:

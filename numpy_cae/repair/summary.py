@@ -4,9 +4,9 @@ from collections import Counter
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
+from numpy_cae.repair.curves import usual_body
 from numpy_cae.repair.interpolated import with_finite_values
 from numpy_cae.repair.jumps import sharp_steps
 from numpy_cae.repair.presets import PRESETS, fitting_preset, shaking
@@ -47,4 +47,4 @@ def _jumps(motion: Motion) -> float:
 
 
 def _sliding(motion: Motion) -> float:
-    return foot_sliding(body_positions(motion), motion.rate)
+    return foot_sliding(usual_body(motion), motion.rate)
