@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from numpy_cae.motion.masks import runs, with_margin
-from numpy_cae.motion.motion import Motion, blocks
+from numpy_cae.motion.motion import RATE, Motion, blocks
 
 
 def chunks(frames: np.ndarray, margin: int = 0) -> Iterator[tuple[np.ndarray, slice]]:
@@ -48,3 +48,9 @@ def changed_around(
         changed = change(around)
         rotations[around], translations[around] = changed.rotations, changed.translations
     return replace(motion, rotations=rotations, translations=translations)
+
+
+def at_about_thirty(motion: Motion) -> tuple[Motion, int]:
+    """Every n-th frame of a motion, about thirty a second, and n."""
+    step = max(1, round(motion.rate / RATE))
+    return replace(motion.at(slice(None, None, step)), rate=motion.rate / step), step

@@ -5,10 +5,14 @@ is the difference of two of its values: R_i⁻¹ R_j as a rotation vector, or t_
 rotations are multiplied by `lever`, so that all of them are in metres at the end of the body that
 the joint moves. The metres are those of a body of usual size (`body_size`): so a threshold holds
 for characters of any size, and while the unit of the file is in doubt.
+
+A segment is a run of frames of a curve that may be damaged: it stands still (`still`), or lies
+between two jumps (`displaced`), or leaves the cubic through the frames around it (`spikes`).
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -29,6 +33,20 @@ LEG_METRES = 0.84
 mean skeleton of the starter model."""
 LEAST_LEVER_METRES = 0.05
 """LEAST_LEVER_METRES: a joint that moves nothing but itself, such as a hand, has this lever (m)."""
+JUMP_METRES = (0.05, 0.08)
+"""JUMP_METRES: a step is a jump only if it is longer than this (m): the lower one at high rates,
+the upper one at low rates."""
+JUMP_ACCELERATION = 72.0
+"""JUMP_ACCELERATION: in between, a jump is longer than this acceleration (m/s²) moves a joint in
+the time of a frame."""
+JUMP_TO_NEIGHBOURS = 3.0
+"""JUMP_TO_NEIGHBOURS: a step is a jump only if it is longer than this times the steps before and
+after it."""
+JUMP_TO_USUAL = 8.0
+"""JUMP_TO_USUAL: a step is a jump only if it is longer than this times the median, over a second,
+of the change from step to step."""
+FASTEST_TURN = 1500.0
+"""FASTEST_TURN: the whole body does not turn faster than this (° a second)."""
 
 
 @dataclass(frozen=True)
@@ -161,3 +179,49 @@ def local_median(values: np.ndarray, rate: float) -> np.ndarray:
     padded = np.pad(values, (half, half + some), mode="edge")
     medians = np.median(sliding_window_view(padded, 2 * half + 1)[some // 2 :: some], axis=1)
     return np.repeat(medians, some)[: len(values)]
+
+
+class Segment(NamedTuple):
+    """A run of frames of a curve.
+
+    Parameters
+    ----------
+    first, end : int
+        The first frame, and the frame after the last one.
+    score : float
+        The evidence divided by its threshold: above 1 it is strong enough.
+    size : float
+        How far the curve is displaced there, in metres; 0 where it was not measured.
+    """
+
+    first: int
+    end: int
+    score: float
+    size: float = 0.0
+
+    def __len__(self) -> int:
+        return self.end - self.first
+
+
+def least_jump(rate: float) -> float:
+    """The length of the shortest jump at a rate, metres."""
+    return float(np.clip(JUMP_ACCELERATION / rate**2, *JUMP_METRES))
+
+
+def jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:
+    """The frames to which a curve jumps from the frame before, each with its score."""
+    steps = curve.steps()
+    shortest = least_jump(curve.rate)
+    large = np.flatnonzero(steps > shortest / (2 * sensitivity))
+    if not len(large):
+        return []
+    padded = np.pad(steps, 1)
+    neighbours = np.maximum(padded[large], padded[large + 2])
+    usual = local_median(np.abs(np.diff(steps, append=steps[-1:])), curve.rate)[large]
+    least = np.maximum(JUMP_TO_NEIGHBOURS * neighbours, JUMP_TO_USUAL * usual)
+    score = steps[large] / np.maximum(shortest, least)
+    if curve.is_root and curve.is_rotation:
+        fastest = np.radians(FASTEST_TURN) * curve.lever
+        score = np.maximum(score, steps[large] * curve.rate / fastest)
+    likely = score > 1 / (2 * sensitivity)
+    return list(zip((large[likely] + 1).tolist(), score[likely].tolist(), strict=True))

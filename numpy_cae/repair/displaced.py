@@ -6,14 +6,16 @@ back by Q⁻¹, and a root that is moved by D jumps by D and back by -D:
     R'_t = R_t Q    or    R'_t = Q R_t    or    p'_t = p_t + D,    a < t ≤ b
 
 Such a displacement is undone: the values next to each jump are moved to where the motion outside
-continues, and those between the jumps by a displacement interpolated between these two. A root that
-does not come back, and a rotation by half a turn that does not, are undone up to the end of the
-file; or up to its start if that has a few frames only, such as a pose before the motion.
+continues, and those between the jumps by a displacement interpolated between these two. A
+rotation by half a turn that does not come back is undone up to the end of the file, or to its start
+if that has a few frames only. Where a root does not come back, the shorter part of the file is
+moved to where the longer one leads: the frames before the jump or those from it on.
 
 If two opposite jumps do not undo each other, the rotations between them are those of another
-motion: they are interpolated (`holes`).
+motion: they are interpolated (`holes`), unless the frames outside may be those of another motion.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -23,10 +25,9 @@ import numpy as np
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product, slerp
-from numpy_cae.repair.curves import Curve, curves_of
+from numpy_cae.repair.curves import FASTEST_TURN, Curve, Segment, curves_of, jumps_of, least_jump
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.interpolated import interpolate_channels
-from numpy_cae.repair.segments import Segment, segments_between_jumps
 from numpy_cae.repair.spikes import longest_spike
 
 CLOSING_SHARE = 0.3
@@ -37,11 +38,11 @@ CALM_SHARE = 0.35
 smaller one."""
 LEAST_TURN_DEGREES = 20.0
 """LEAST_TURN_DEGREES: a jump of a rotation counts if it is larger than this (°)."""
-LEAST_MOVE_METRES = 0.1
-"""LEAST_MOVE_METRES: a jump of a place counts if it is longer than this (m)."""
 LONGEST_SECONDS = 1.5
 """LONGEST_SECONDS: rotations are interpolated between two jumps that are at most this far apart
 (s)."""
+LATER_JUMPS = 6
+"""LATER_JUMPS: a segment ends at one of this many jumps after the one at which it begins."""
 OPPOSITE_COSINE = -0.5
 """OPPOSITE_COSINE: two jumps whose directions have a cosine below this lead back; those of the root
 do not count, since a body that turns and turns back may kick."""
@@ -90,59 +91,75 @@ def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
                 if name not in changed:  # an hour of rotations takes 0.4 GB: one copy for all
                     changed[name] = getattr(motion, name).copy()
                 changed[name][finding.stretch, curve.joint] = _undone(curve, finding.stretch)
+                curve = replace(curve, values=changed[name][:, curve.joint])
     undone = replace(motion, **changed)
     return interpolate_channels(undone, [f for f in findings if f.kind == "displaced"])
 
 
 def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str]]:
     """The segments of a curve that are displaced, each with its kind, or "spike"; none overlaps
-    another."""
+    another, but for those up to the end of the curve."""
+    jumps = jumps_of(curve, sensitivity)
     end = 0
-    for segments in segments_between_jumps(curve, sensitivity):
-        if segments[0].first <= end:
+    for number, (first, score) in enumerate(jumps):
+        if first <= end:
             continue
-        by_kind: dict[str, list[Segment]] = {"spike": [], "undone": [], "interpolated": []}
+        later = jumps[number + 1 : number + 1 + LATER_JUMPS]
+        segments = [Segment(first, stop, min(score, other)) for stop, other in later]
+        if not later or curve.kind == "root elsewhere":
+            segments.append(Segment(first, len(curve.values), score))
+        by_kind: dict[str, list[Segment]] = defaultdict(list)
         for segment in segments:
-            for kind in _kinds(curve, segment):
+            for kind in _kinds(curve, segment, [frame for frame, _ in jumps]):
                 by_kind[kind].append(segment)
         if by_kind["spike"]:
             chosen = by_kind["spike"][-1]
             kind = "spike"
-        elif by_kind["undone"]:
-            chosen = by_kind["undone"][0]
-            kind = "turned" if curve.is_rotation else curve.kind
-        elif by_kind["interpolated"]:
-            chosen = by_kind["interpolated"][0]
-            kind = "displaced" if curve.is_rotation else curve.kind
+        elif undone := by_kind["undone"] or by_kind["interpolated"] or by_kind["to the end"]:
+            chosen = undone[0]
+            other = "displaced" if undone is by_kind["interpolated"] else "turned"
+            kind = other if curve.is_rotation else curve.kind
         else:
             continue
-        end = chosen.end
+        end = first if chosen.end == len(curve.values) else chosen.end
         yield chosen, kind
 
 
-def _kinds(curve: Curve, segment: Segment) -> Iterator[str]:
-    """What a segment may be: a "spike", a displacement to be "undone", or values of another motion
-    to be "interpolated"."""
+def _kinds(curve: Curve, segment: Segment, jumps: list[int]) -> Iterator[str]:
+    """What a segment may be: a "spike", a displacement to be "undone" up to the jump back or "to
+    the end", or values of another motion to be "interpolated"."""
     if segment.end == len(curve.values):
         # A hand or a thumb may be turned by half a turn: a rig's limits are those of its limbs.
-        large = _size(curve, segment.first) > _least(curve, HALF_TURN_DEGREES)
+        degrees = max(HALF_TURN_DEGREES, FASTEST_TURN / curve.rate)
+        large = _size(curve, segment.first) > _least(curve, degrees)
         if large and curve.name in JOINTS:
-            yield "undone"
+            yield "to the end"
         return
     returns = _returns(curve, segment)
     if returns and len(segment) <= longest_spike(curve.rate):
         yield "spike"
     if _closes(curve, segment):
         yield "undone"
-    if returns:
+    if returns and _is_between(curve, segment, jumps):
         yield "interpolated"
+
+
+def _is_between(curve: Curve, segment: Segment, jumps: list[int]) -> bool:
+    """Whether there is motion before and after a segment, without other jumps for as long as it
+    lasts: else the frames outside may be the wrong ones."""
+    few = longest_spike(curve.rate)
+    around = range(segment.first - len(segment), segment.end + len(segment) + 1)
+    inside = range(segment.first, segment.end + 1)
+    others = [frame for frame in jumps if frame in around and frame not in inside]
+    return few < segment.first and segment.end < len(curve.values) - few and not others
 
 
 def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
     first, end = segment.first, segment.end
     to_the_end = end == len(curve.values)
     amount = curve.amount(_size(curve, first))
-    if to_the_end and first <= longest_spike(curve.rate):  # a pose to begin with: the rest is right
+    few = longest_spike(curve.rate) if curve.is_rotation else end / 2
+    if to_the_end and first <= few:
         first, end = 0, first
     moves = "turns" if curve.is_rotation else "moves"
     back = "" if to_the_end else " and back"
@@ -157,7 +174,7 @@ def _size(curve: Curve, frame: int) -> float:
 
 def _least(curve: Curve, degrees: float = LEAST_TURN_DEGREES) -> float:
     """The least size of a jump that counts, metres."""
-    return np.radians(degrees) * curve.lever if curve.is_rotation else LEAST_MOVE_METRES
+    return np.radians(degrees) * curve.lever if curve.is_rotation else least_jump(curve.rate)
 
 
 def _closes(curve: Curve, segment: Segment) -> bool:

@@ -25,7 +25,7 @@ from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import slerp
-from numpy_cae.repair.chunks import changed_around, chunks
+from numpy_cae.repair.chunks import at_about_thirty, changed_around, chunks
 from numpy_cae.repair.curves import body_size, curves_of, off_cubic
 from numpy_cae.repair.finding import BODY, Finding
 
@@ -66,11 +66,10 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> find_jumps(motion)
     [left_wrist: frames 19 to 38: jumps ...
     """
-    curves = list(curves_of(motion)) if len(motion) >= LEAST_FRAMES else []
-    rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
-    near = with_margin(rough[:, None] > SHARP_METRES, 1)[:, 0]
-    frames = np.flatnonzero(near[:-1])
-    sharp = sharp_steps(motion, frames, sensitivity)
+    frames, sharp = _sharp_and_rough(motion, sensitivity)
+    sparse, step = at_about_thirty(motion)
+    if step > 1:  # a joint that jumps within a 30th of a second does so in several frames
+        sharp |= _sharp_and_rough(sparse, sensitivity)[1].repeat(step, axis=0)[: len(motion)]
     jumps = jumping_steps(motion, frames) | sharp
     found = []
     for column in np.flatnonzero(sharp.any(axis=0)).tolist():
@@ -84,6 +83,15 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
             why = f"{steps} from those around them {by}"
             found.append(Finding(JOINTS[column], (int(at[0]), int(at[-1])), "jumps", why))
     return found
+
+
+def _sharp_and_rough(motion: Motion, sensitivity: float) -> tuple[np.ndarray, np.ndarray]:
+    """The frames next to those in which a curve is rough, and the steps of `sharp_steps` there."""
+    curves = list(curves_of(motion)) if len(motion) >= LEAST_FRAMES else []
+    rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
+    near = with_margin(rough[:, None] > SHARP_METRES, 1)[:, 0]
+    frames = np.flatnonzero(near[:-1])
+    return frames, sharp_steps(motion, frames, sensitivity)
 
 
 def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:

@@ -32,6 +32,7 @@ from numpy_cae.motion.hole_curves import rotations_over_holes
 from numpy_cae.motion.joints import JOINTS, LIMBS, joint_mask
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
+from numpy_cae.repair.chunks import at_about_thirty
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.holes import Holes
 
@@ -144,7 +145,7 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
     >>> find_limb_turns(motion, 0.5, starter())
     [right_hip: frames 51 to 82: limb turned (...
     """
-    sparse, step = _at_about_thirty(motion)
+    sparse, step = at_about_thirty(motion)
     found = []
     for name in TURNED_JOINTS:
         taken: list[Turn] = []
@@ -167,7 +168,7 @@ def mend_limb_turns(
 ) -> Motion:
     """The motion without the turns of findings; where a turn begins and ends, the rotation is
     interpolated. A finding whose frames are those of no turn is not mended."""
-    sparse, step = _at_about_thirty(motion)
+    sparse, step = at_about_thirty(motion)
     rotations = motion.rotations.copy()
     for finding in findings:
         joint = rig_of(motion).joints[JOINTS.index(finding.joint)]
@@ -189,12 +190,6 @@ def mend_limb_turns(
         missing[turn.falls + 1 : turn.end] = True
         rotations[:, [joint]] = rotations_over_holes(rotations[:, [joint]], missing, motion.rate)
     return replace(motion, rotations=rotations)
-
-
-def _at_about_thirty(motion: Motion) -> tuple[Motion, int]:
-    """Every n-th frame of a motion, about thirty a second, and n."""
-    step = max(1, round(motion.rate / RATE))
-    return replace(motion.at(slice(None, None, step)), rate=motion.rate / step), step
 
 
 def _best(

@@ -62,26 +62,33 @@ PRESETS = {
 SHAKING = 20.0
 """SHAKING: motion from video shakes: its accelerations change by more than this (m/s²) from frame
 to frame, in the median of all joints and frames at 30 a second (docs/lab_book/evidence.md)."""
+ROUGH_RATIO = 0.6
+"""ROUGH_RATIO: and joints that move change their step by more than this share of it from frame to
+frame, in the median at no more than 30 a second; a spinning dancer does by 0.53."""
+MOVING_METRES = 0.001
+"""MOVING_METRES: joints move if a step is longer than this (m)."""
 JUMPING_SHARE = 0.02
 """JUMPING_SHARE: other motion from video jumps in more than this share of its frames."""
+FAR_SENSITIVITY = 0.3
+"""FAR_SENSITIVITY: motion that is not so rough is from video if it jumps as often with this
+sensitivity of `sharp_steps`."""
 JUMPING_FRAMES = 2
 """JUMPING_FRAMES: and in more frames than this: a limb that is turned for a while jumps twice."""
-SLIDING = 20.0
-"""SLIDING: motion from video that jumps also has standing feet that slide faster than this
-(cm/s)."""
+SLIDING = 15.0
+"""SLIDING: motion from video has standing feet that slide faster than this (cm/s)."""
 LONGEST_SECONDS = 20.0
 """LONGEST_SECONDS: no more than this time of a motion is looked at (s)."""
 
 
 def fitting_preset(motion: Motion) -> str | None:
-    """The name of the preset that fits a motion: "video" if it shakes, or jumps and slides; "suit"
-    if it begins with a pose of reference; else None."""
+    """The name of the preset that fits a motion: "video" if its feet slide and it shakes or jumps;
+    "suit" if it begins with a pose of reference; else None."""
     motion, _ = with_finite_values(motion)
     t_pose = leading_t_pose(motion)
     first = t_pose.frames if t_pose else 0
     some = motion.at(slice(first, first + int(LONGEST_SECONDS * motion.rate)))
     some = some.resampled(30.0) if motion.rate > 40 else some
-    if len(some) > 4 and (shaking(some) > SHAKING or _jumps_and_slides(some)):
+    if len(some) > 4 and _is_from_video(some):
         return "video"
     return "suit" if t_pose else None
 
@@ -96,8 +103,15 @@ def shaking(motion: Motion) -> float:
     return float(np.median(np.linalg.norm(change, axis=-1)))
 
 
-def _jumps_and_slides(motion: Motion) -> bool:
-    jumps = sharp_steps(motion).any(axis=1).sum()
-    if jumps <= max(JUMPING_SHARE * len(motion), JUMPING_FRAMES):
+def _is_from_video(motion: Motion) -> bool:
+    body = usual_body(motion)
+    if foot_sliding(body, motion.rate) <= SLIDING:
         return False
-    return bool(foot_sliding(usual_body(motion), motion.rate) > SLIDING)
+    most = max(JUMPING_SHARE * len(motion), JUMPING_FRAMES)
+    if sharp_steps(motion, None, FAR_SENSITIVITY).any(axis=1).sum() > most:
+        return True
+    steps, changes = (np.linalg.norm(np.diff(body, k, axis=0), axis=-1) for k in (1, 2))
+    moving = steps[1:] > MOVING_METRES
+    if not moving.any() or np.median(changes[moving]) < ROUGH_RATIO * np.median(steps[1:][moving]):
+        return False
+    return bool(shaking(motion) > SHAKING or sharp_steps(motion).any(axis=1).sum() > most)

@@ -280,12 +280,12 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
 
 
 def _slides(before: Motion, after: Motion) -> np.ndarray:
-    """How fast the foot that stands before a step slides before it and after it, 0 where none
-    stands, (2, frames - 1) in centimetres a second."""
+    """How fast feet that stand before a step slide before it and after it, 0 where none stands,
+    (2, frames - 1) in centimetres a second."""
     bodies = [usual_body(motion) for motion in (before, after)]
-    lower, stands = lower_foot(bodies[0])
-    speeds = [foot_speeds(body, before.rate)[np.arange(len(lower)), lower] for body in bodies]
-    return np.where(stands, speeds, 0.0)
+    lower, on_floor = lower_foot(bodies[0])
+    stands = on_floor[:, None] & (lower[:, None] == [0, 1])
+    return np.where(stands, [foot_speeds(body, before.rate) for body in bodies], 0.0).sum(axis=2)
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:

@@ -18,17 +18,22 @@ import numpy as np
 from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
-from numpy_cae.repair.curves import Curve, body_size, curves_of, local_median
+from numpy_cae.repair.curves import (
+    Curve,
+    Segment,
+    body_size,
+    curves_of,
+    least_jump,
+    local_median,
+)
 from numpy_cae.repair.finding import Finding, confidence
-from numpy_cae.repair.segments import Segment
 
 LONGEST_SECONDS = 0.1
 """LONGEST_SECONDS: a spike lasts at most this time (s), or a frame."""
-LEAST_METRES = 0.08
-"""LEAST_METRES: a spike deviates by more than this (m)."""
 LEAST_ACCELERATION = 60.0
-"""LEAST_ACCELERATION: a spike deviates by more than this acceleration (m/s²) moves a joint in the
-time of a frame: a hand or foot that strikes reaches it."""
+"""LEAST_ACCELERATION: a spike deviates by more than the shortest jump (`least_jump`), and by more
+than this acceleration (m/s²) moves a joint in the time of a frame: a hand or foot that strikes
+reaches it."""
 NOISE_RATIO = 9.0
 """NOISE_RATIO: a spike deviates by more than this times the noise, which is the median over a
 second of the deviations of single frames."""
@@ -79,7 +84,7 @@ def longest_spike(rate: float) -> int:
 
 def _least(rate: float) -> float:
     """The least deviation of a spike at a rate, metres."""
-    return max(LEAST_METRES, LEAST_ACCELERATION / rate**2)
+    return max(least_jump(rate), LEAST_ACCELERATION / rate**2)
 
 
 def _spikes(curve: Curve, sensitivity: float) -> list[Segment]:

@@ -11,11 +11,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from numpy_cae.mocap.t_pose import leading_t_pose
+from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import STILL_METRES, Curve, curves_of
+from numpy_cae.repair.curves import STILL_METRES, Curve, Segment, curves_of
 from numpy_cae.repair.finding import BODY, Finding, confidence
-from numpy_cae.repair.segments import Segment, still_segments
 
+CAUGHT_UP_RATIO = 2.5
+"""CAUGHT_UP_RATIO: what stood still ends with a step of more than this times the median of the
+three steps after it."""
 FROZEN_SECONDS = 0.2
 """FROZEN_SECONDS: a rotation is frozen if it stands still for at least this time (s)."""
 FROZEN_FRAMES = 6
@@ -48,12 +51,15 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
         frozen += _frozen(curve, steps, sensitivity)
     repeated = list(_repeated(body, sensitivity)) if curves else []
     covered = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
-    return repeated + [f for f in frozen if not covered.issuperset(range(*f.frames))]
+    found = repeated + [f for f in frozen if not covered.issuperset(range(*f.frames))]
+    # A body that stands still from the first frame on begins so: nothing says what it did before.
+    start = int(np.argmax(np.append(body, np.inf) > STILL_METRES))
+    return [finding for finding in found if finding.frames[1] > start]
 
 
 def _repeated(steps: np.ndarray, sensitivity: float) -> Iterator[Finding]:
     """The runs of frames that repeat the pose of the frame before them."""
-    for segment, into in still_segments(steps, 1, 0.0, sensitivity):
+    for segment, into in _still_segments(steps, 1, 0.0, sensitivity):
         # A jump into the run shows that its first pose is wrong too.
         yield _finding(BODY, "repeated", segment, segment.first + (into <= 1))
 
@@ -64,7 +70,7 @@ def _frozen(curve: Curve, steps: np.ndarray, sensitivity: float) -> Iterator[Fin
         return
     least_frames = max(FROZEN_FRAMES, round(FROZEN_SECONDS * curve.rate))
     least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_SPEED / curve.rate)
-    for segment, into in still_segments(steps, least_frames, least_metres, sensitivity):
+    for segment, into in _still_segments(steps, least_frames, least_metres, sensitivity):
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
         first = segment.first + (into <= 1 and segment.first > 0)
@@ -82,6 +88,29 @@ def _finding(joint: str, kind: str, segment: Segment, first: int) -> Finding:
     moves = f"then moves by {100 * segment.size:.1f} cm"
     why = f"stands still for {len(segment)} frames, {moves}"
     return Finding(joint, (first, segment.end - 1), kind, why, 0.0, confidence(segment.score))
+
+
+def _still_segments(
+    steps: np.ndarray, least_frames: int, least_metres: float, sensitivity: float
+) -> Iterator[tuple[Segment, float]]:
+    """The runs of steps (F - 1,) that stand still for at least `least_frames` and end with a jump;
+    each with the score of the jump into it."""
+    for start, end in runs(steps <= STILL_METRES).tolist():
+        if end - start < least_frames or end == len(steps):
+            continue
+        before = steps[max(start - 4, 0) : max(start - 1, 0)]
+        into = _score_of_jump(steps[start - 1], before, least_metres)
+        score = _score_of_jump(steps[end], steps[end + 1 : end + 4], least_metres)
+        if score * 2 * sensitivity > 1:
+            yield Segment(start, end + 1, score, float(steps[end])), into
+
+
+def _score_of_jump(step: float, neighbours: np.ndarray, least_metres: float) -> float:
+    """How many times the threshold the jump out of a run that stands still is."""
+    if not len(neighbours):
+        return 0.0
+    usual = CAUGHT_UP_RATIO * float(np.median(neighbours))
+    return float(step / max(least_metres, usual, STILL_METRES))
 
 
 def find_t_pose(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:

@@ -73,13 +73,15 @@ def assert_other_frames_are_kept(repaired, motion):
 
 
 SHOULDER, ALL = slice(101, 103), slice(None)
+LATER, LAST = slice(200, None), slice(250, None)
 DAMAGE = {
     "turned": (lambda m: turned(m, {"lfemur": 50.0}, "z", slice(120, 200)), slice(120, 200), 0.05),
     "spike": (lambda m: turned(m, {"lhumerus": 60.0}, "z", SHOULDER), SHOULDER, 0.02),
     "frozen": (lambda m: held(m, ["lhumerus", "lradius"], slice(120, 180)), slice(121, 180), 0.6),
     "frozen, at first": (lambda m: held(m, ["lhumerus"], slice(0, 60), REST), slice(0, 60), 0.4),
     "repeated": (lambda m: m.at(np.r_[:90, [89] * 15, 105:300]), slice(90, 105), 0.3),
-    "root elsewhere": (lambda m: moved(m, [0.3, 0, 0.2], slice(90, None)), slice(90, None), 0.05),
+    "root elsewhere": (lambda m: moved(m, [0.3, 0, 0.2], slice(200, None)), slice(200, None), 0.05),
+    "root elsewhere, twice": (lambda m: moved(moved(m, 0.2, LATER), 0.3, LAST), LATER, 0.05),
 }
 
 
@@ -136,6 +138,7 @@ def test_fast_motion_is_no_damage(walk):
     assert not mend(turned(walk, {"lradius": degrees}, "x"))[1]
     kick = np.r_[np.zeros(120), np.linspace(60, 85, 40), np.full(len(walk) - 160, 39.0)]
     assert "displaced" not in {f.kind for f in mend(turned(walk, {"root": kick}, "y"))[1]}
+    assert not mend(walk.at(np.r_[[0] * 55, 2:300]))[1]  # a pose that is held at the start
 
 
 @pytest.mark.parametrize("rate", [24, 30, 60, 120])
