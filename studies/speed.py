@@ -1,8 +1,9 @@
 """The time of training steps, encoding and projection, beside the same networks in PyTorch.
 
 If PyTorch is installed, its networks must give the same results, and are timed in turn with ours;
-the ratio is PyTorch's time divided by ours. With --data whole trainings of the convolutional
-network on these takes are timed, until all have reached one error.
+the ratio is PyTorch's time divided by ours. With --data whole trainings are timed, until all have
+reached one error: of the convolutional network on these takes, of the sequential one on synthetic
+walking.
 
     python -m studies speed --batch 1 16
     python -m studies speed --data bandai --test '*_005.bvh'
@@ -20,7 +21,7 @@ from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from studies.shared.material import Material
 from studies.shared.result import Result, Table
 from studies.timing.alternately import matrix_product_peak, time_alternately
-from studies.timing.time_to_quality import time_to_quality
+from studies.timing.time_to_quality import sequences_to_quality, time_to_quality
 from studies.timing.torch_convolutional import TorchModel, cases, require_agreement, torch
 from studies.timing.torch_sequential import LATENT, step, torch_step
 
@@ -57,7 +58,7 @@ def run(
         )
     ]
     if material is not None:
-        tables.append(time_to_quality(material))
+        tables += [time_to_quality(material), sequences_to_quality()]
     made = {"BLAS": f"{blas_threads() or 'unknown'} threads"}
     made["matrix-product peak"] = f"{matrix_product_peak() / 1e9:.0f} GFLOP/s"
     if torch is not None:

@@ -1,11 +1,13 @@
-"""The times that trainings need to one error: numpy_cae, and the same network in PyTorch.
+"""The times that trainings need to one error: numpy_cae, and the same networks in PyTorch.
 
 The trainings run one after the other in one process; only the training is timed, not the
 measurements of its error.
 """
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -13,25 +15,46 @@ from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import learn_manifold
+from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
-from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion import cut_windows
-from numpy_cae.training import Schedule, Stage, TrainingState, recipe, zero_values
+from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from numpy_cae.motion import cut_clips, cut_windows, draw_clips
+from numpy_cae.training import (
+    SEQUENCE_RECIPES,
+    Schedule,
+    SequenceSchedule,
+    Stage,
+    TrainingState,
+    recipe,
+    unit_directions,
+    zero_values,
+)
 from numpy_cae.training.adam import BETA_2
 from numpy_cae.training.layerwise import autoencoder_steps
+from numpy_cae.training.sequential import Draw, sequential_steps
+from studies.jang2018.actions import synthetic_action
 from studies.shared.clips import testing_of
 from studies.shared.material import Material
 from studies.shared.result import Table
 from studies.timing.torch_convolutional import TorchModel, torch, windows
+from studies.timing.torch_sequential import TorchSequences
 
 USUAL = Stage(epochs=50, rate=0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
 """PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
 the peak rate and the epochs are those that need the least time
 (docs/lab_book/end_to_end.md)."""
+USUAL_SEQUENCES = SequenceSchedule(rate=0.001)
+"""The same, with the batch, the epochs and the bound on the norm of the recipe paper."""
 USUAL_BETA_2 = 0.999
+MINUTES = 60.0
+"""Minutes of synthetic walking to train on, and as many of other people to hold out."""
+HELD_OUT_STEP = 600
+"""Held-out clips start this many frames apart."""
 NONE = Stage(epochs=0)
 Curve = list[tuple[float, float]]
-"""The seconds of training, and the held-out error in cm, after each epoch."""
+"""The seconds of training, and the held-out error, after each epoch."""
+Trained = tuple[Any, Iterator[None]]
+"""A network, and its training: an epoch at each `next`."""
 
 
 def time_to_quality(material: Material, seed: int = 0) -> Table:
@@ -40,26 +63,74 @@ def time_to_quality(material: Material, seed: int = 0) -> Table:
     The error is that of the table of `numpy-cae train`: half of the values of the test takes
     removed. ValueError where PyTorch is not installed.
     """
-    if torch is None:
-        raise ValueError("PyTorch is not installed (package torch)")
-    torch.manual_seed(seed)
     schedule = recipe("fast")
     x, testing = _windows(material, schedule.rms)
     damaged = zero_values(testing.x, 0.5, np.random.default_rng(seed))
     given = damaged / (1 - zeroed_fraction(damaged))
     model = accelerate(ConvAutoencoder(rng=np.random.default_rng(seed), initial=schedule.initial))
-    settings = {"usual": (USUAL, USUAL_BETA_2), "our": (schedule.fine_tuning, BETA_2)}
-    theirs = {name: TorchModel(model) for name in settings}
-    next(torch_epochs(TorchModel(model), x[: USUAL.batch], USUAL, USUAL_BETA_2))  # takes seconds
     state = TrainingState(model.parameters, np.random.default_rng(seed))
     steps = autoencoder_steps(model, x, Schedule(NONE, schedule.fine_tuning), state)
-    epochs = (None for _ in steps if state.step == 0)
-    curves = {"numpy_cae": curve(epochs, lambda: testing.error(model.project(given)))}
-    for name, network in theirs.items():
-        epochs = torch_epochs(network, x, *settings[name])
-        measured = curve(epochs, lambda net=network: testing.error(net.project(given)))
-        curves[f"PyTorch, {name} settings"] = measured
-    return quality(curves)
+
+    def trained(stage: Stage, beta_2: float) -> Trained:
+        network = TorchModel(model)
+        return network, torch_epochs(network, x, stage, beta_2)
+
+    def error(network: Any) -> float:
+        return testing.error(network.project(given))
+
+    ours = model, (None for _ in steps if state.step == 0)
+    return _quality_of(ours, trained, (USUAL, schedule.fine_tuning), error, "cm", seed)
+
+
+def sequences_to_quality(seed: int = 0) -> Table:
+    """The same of the sequential network on synthetic walking, by its recipe fast and by
+    `USUAL_SEQUENCES`. The error is the share of the variance of other people's clips."""
+    schedule = SEQUENCE_RECIPES["fast"]
+    action = synthetic_action("walking", MINUTES)
+    mean, deviation = mean_and_deviation(cut_clips(action.training))
+
+    def draw(rng: np.random.Generator, batch: int) -> np.ndarray:
+        return _normalised(draw_clips(action.training, batch, rng), mean, deviation)
+
+    held_out = _normalised(cut_clips(action.testing, HELD_OUT_STEP), mean, deviation)
+    rng = np.random.default_rng(seed)
+    untrained = SequentialAutoencoder(len(mean), HIDDEN, LATENT, rng, burn_in=BURN_IN)
+    model = accelerate(untrained)
+    state = TrainingState(model.weights, np.random.default_rng(seed))
+    steps = sequential_steps(model, draw, schedule, state)
+
+    def trained(by: SequenceSchedule, beta_2: float) -> Trained:
+        network = TorchSequences(model)
+        return network, torch_sequence_epochs(network, draw, by, beta_2, seed)
+
+    def error(network: Any) -> float:
+        return float(np.mean((network.denoise(held_out) - held_out) ** 2, dtype=np.float64))
+
+    ours = model, (None for _ in steps if state.step == 0)
+    both = USUAL_SEQUENCES, schedule
+    return _quality_of(ours, trained, both, error, "of the variance", seed)
+
+
+def _quality_of(
+    ours: Trained, trained: Callable, by: Sequence, error: Callable, unit: str, seed: int
+) -> Table:
+    """Our training, and PyTorch's by the usual settings and by ours, one after the other."""
+    if torch is None:
+        raise ValueError("PyTorch is not installed (package torch)")
+    torch.manual_seed(seed)
+    theirs = {
+        "PyTorch, usual settings": trained(by[0], USUAL_BETA_2),
+        "PyTorch, our settings": trained(by[1], BETA_2),
+    }
+    next(trained(replace(by[0], epochs=1), USUAL_BETA_2)[1])  # the first steps take seconds
+    curves = {}
+    for name, (network, epochs) in ({"numpy_cae": ours} | theirs).items():
+        curves[name] = curve(epochs, lambda net=network: error(net))
+    return quality(curves, unit)
+
+
+def _normalised(clips: np.ndarray, mean: np.ndarray, deviation: np.ndarray) -> np.ndarray:
+    return ((clips - mean) / deviation).astype(np.float32)
 
 
 def _windows(material: Material, rms: float) -> tuple[np.ndarray, Clips]:
@@ -78,39 +149,63 @@ def curve(epochs: Iterator[None], error: Callable[[], float]) -> Curve:
     for _ in epochs:
         seconds += time.perf_counter() - start
         measured.append((seconds, error()))
-        note(f"epoch {len(measured)}: {seconds:.1f} s, held-out error {measured[-1][1]:.3f} cm")
+        note(f"epoch {len(measured)}: {seconds:.1f} s, held-out error {measured[-1][1]:.3f}")
         start = time.perf_counter()
     return measured
 
 
-def quality(curves: dict[str, Curve]) -> Table:
+def quality(curves: dict[str, Curve], unit: str) -> Table:
     """The seconds of each training to the lowest error that all reach; ours is the first."""
     lowest = {name: min(error for _, error in each) for name, each in curves.items()}
     target = max(lowest.values())
     needed = {name: min(s for s, e in each if e <= target) for name, each in curves.items()}
     first = next(iter(needed.values()))
     rows = [[n, s, s / first, curves[n][-1][0], lowest[n]] for n, s in needed.items()]
-    seconds = f"seconds to {target:.3f} cm"
-    header = ["training", seconds, "ratio", "seconds in all", "lowest error, cm"]
+    seconds = f"seconds to {target:.3f} {unit}"
+    header = ["training", seconds, "ratio", "seconds in all", f"lowest error, {unit}"]
     return Table("", header, rows, ("", ".1f", ".2f", ".1f", ".3f"))
 
 
 def torch_epochs(model: TorchModel, x: np.ndarray, stage: Stage, beta_2: float) -> Iterator[None]:
     """Denoising end to end in PyTorch, an epoch at each `next`, by Adam and a one-cycle rate."""
     every = windows(x)
-    optimiser = torch.optim.Adam(model.parameters, betas=(0.9, beta_2), fused=True)
-    steps = stage.epochs * -(-len(every) // stage.batch)
-    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, stage.rate, steps)
+    update = _update(model, stage, -(-len(every) // stage.batch), beta_2)
     low, high = stage.zeroed
     for _ in range(stage.epochs):
         for chosen in torch.randperm(len(every)).split(stage.batch):
             batch = every[chosen]
             p = low + (high - low) * torch.rand(len(batch), 1, 1)
             corrupted = batch * (torch.rand(batch.shape) >= p) / (1 - p)
-            optimiser.zero_grad()
-            model.loss(batch, corrupted, [None] * len(model.layers), model.layers).backward()
-            if stage.norm is not None:
-                torch.nn.utils.clip_grad_norm_(model.parameters, stage.norm)
-            optimiser.step()
-            rates.step()
+            update(model.loss(batch, corrupted, [None] * len(model.layers), model.layers))
         yield
+
+
+def torch_sequence_epochs(
+    model: TorchSequences, draw: Draw, by: SequenceSchedule, beta_2: float, seed: int
+) -> Iterator[None]:
+    """The same of the sequential network."""
+    rng = np.random.default_rng(seed)
+    update = _update(model, by, by.steps, beta_2)
+    for _ in range(by.epochs):
+        for _ in range(by.steps):
+            prior = rng.standard_normal((by.batch, LATENT), dtype=np.float32)
+            directions = unit_directions(by.directions, LATENT, rng, np.float32)
+            given = map(torch.tensor, (draw(rng, by.batch), prior, directions))
+            update(model.loss(*given, by.weight))
+        yield
+
+
+def _update(model: Any, by: Any, steps: int, beta_2: float) -> Callable[[Any], None]:
+    """A step of Adam with a one-cycle rate, from the loss; an epoch has so many."""
+    optimiser = torch.optim.Adam(model.parameters, betas=(0.9, beta_2), fused=True)
+    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, by.rate, by.epochs * steps)
+
+    def update(loss: Any) -> None:
+        optimiser.zero_grad()
+        loss.backward()
+        if by.norm is not None:
+            torch.nn.utils.clip_grad_norm_(model.parameters, by.norm)
+        optimiser.step()
+        rates.step()
+
+    return update

@@ -33,40 +33,60 @@ def step(model: SequentialAutoencoder, batch: int, seed: int = 0) -> tuple[Calla
     return ours, given
 
 
+class TorchSequences:
+    """The weights of a `SequentialAutoencoder` in PyTorch's layers."""
+
+    def __init__(self, model: SequentialAutoencoder):
+        self.burn_in = model.burn_in
+        self.encoder = torch.nn.GRU(model.features, model.hidden, batch_first=True)
+        self.decoder = torch.nn.GRUCell(model.features, model.hidden)
+        self.latent = torch.nn.Linear(model.hidden, model.latent)
+        self.state = torch.nn.Linear(model.latent, model.hidden)
+        self.frame = torch.nn.Linear(model.hidden, model.features)
+        self.parameters = []
+        for name, weight in model.weights.items():
+            layer, letter = name.split("_")
+            if layer in ("encoder", "decoder"):
+                theirs = OF_GRU[letter] + "_l0" * (layer == "encoder")
+            else:
+                theirs = {"w": "weight", "b": "bias"}[letter]
+            parameter = getattr(getattr(self, layer), theirs)
+            parameter.data = torch.tensor(np.ascontiguousarray(weight.T))
+            self.parameters.append(parameter)
+
+    def reconstruct(self, x):
+        """z, and the clips (B, T, features) that are written from it."""
+        z = self.latent(self.encoder(x)[1][0])
+        h = self.state(z)
+        frame, written = torch.zeros_like(x[:, 0]), []
+        for _ in range(x.shape[1] + self.burn_in):
+            h = self.decoder(frame, h)
+            frame = self.frame(h)
+            written.append(frame)
+        return z, torch.stack(written[: -x.shape[1] - 1 : -1], dim=1)
+
+    def denoise(self, x: np.ndarray) -> np.ndarray:
+        """Clips on the manifold."""
+        with torch.inference_mode():
+            return self.reconstruct(torch.tensor(x))[1].numpy()
+
+    def loss(self, x, prior, directions, weight=WEIGHT):
+        """The loss of jang2018 for one batch."""
+        z, x_hat = self.reconstruct(x)
+        encoded, drawn = (torch.sort(each @ directions.T, dim=0)[0] for each in (z, prior))
+        return ((x_hat - x) ** 2).mean() + weight * ((encoded - drawn) ** 2).mean()
+
+
 def torch_step(model: SequentialAutoencoder, given: tuple) -> Callable[[], Any]:
     """The same step in PyTorch, from the same weights."""
-    layers = {
-        "encoder": torch.nn.GRU(model.features, model.hidden, batch_first=True),
-        "decoder": torch.nn.GRUCell(model.features, model.hidden),
-        "latent": torch.nn.Linear(model.hidden, model.latent),
-        "state": torch.nn.Linear(model.latent, model.hidden),
-        "frame": torch.nn.Linear(model.hidden, model.features),
-    }
-    parameters = []
-    for name, weight in model.weights.items():
-        layer, letter = name.split("_")
-        if layer in ("encoder", "decoder"):
-            theirs = OF_GRU[letter] + "_l0" * (layer == "encoder")
-        else:
-            theirs = {"w": "weight", "b": "bias"}[letter]
-        parameters.append(getattr(layers[layer], theirs))
-        parameters[-1].data = torch.tensor(np.ascontiguousarray(weight.T))
-    x, prior, directions = map(torch.tensor, given)
+    network = TorchSequences(model)
+    arguments = list(map(torch.tensor, given))
 
     def theirs() -> Any:
-        for parameter in parameters:
+        for parameter in network.parameters:
             parameter.grad = None
-        z = layers["latent"](layers["encoder"](x)[1][0])
-        h = layers["state"](z)
-        frame, written = torch.zeros_like(x[:, 0]), []
-        for _ in range(FRAMES + model.burn_in):
-            h = layers["decoder"](frame, h)
-            frame = layers["frame"](h)
-            written.append(frame)
-        x_hat = torch.stack(written[: -FRAMES - 1 : -1], dim=1)
-        encoded, drawn = (torch.sort(each @ directions.T, dim=0)[0] for each in (z, prior))
-        loss = ((x_hat - x) ** 2).mean() + WEIGHT * ((encoded - drawn) ** 2).mean()
+        loss = network.loss(*arguments)
         loss.backward()
-        return loss.detach(), [parameter.grad.t() for parameter in parameters]
+        return loss.detach(), [parameter.grad.t() for parameter in network.parameters]
 
     return theirs

@@ -7,7 +7,7 @@ import pytest
 
 from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training import recipe
+from numpy_cae.training import SEQUENCE_RECIPES, recipe
 from studies import speed
 from studies.timing import alternately, time_to_quality
 from studies.timing.alternately import Timing, time_alternately
@@ -87,7 +87,7 @@ def test_the_table_has_a_row_for_each_case(monkeypatch, load):
 @needs_torch
 def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, labelled):
     curves = {"ours": [(2.0, 3.0), (4.0, 1.9), (6.0, 1.0)], "theirs": [(5.0, 4.0), (10.0, 2.0)]}
-    table = time_to_quality.quality(curves)
+    table = time_to_quality.quality(curves, "cm")
     assert table.header[1] == "seconds to 2.000 cm"
     assert table.rows[1] == ["theirs", 10.0, 2.5, 10.0, 2.0]
     stage = replace(recipe("fast").fine_tuning, epochs=3, rate=1e-4)
@@ -99,3 +99,9 @@ def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, lab
         f"PyTorch, {s} settings" for s in ("usual", "our")
     ]
     assert 0 < table.rows[0][4] < 10 and np.isfinite([row[4] for row in table.rows]).all()
+    few = replace(SEQUENCE_RECIPES["fast"], epochs=2, steps=2, batch=4)
+    monkeypatch.setattr(time_to_quality, "SEQUENCE_RECIPES", {"fast": few})
+    monkeypatch.setattr(time_to_quality, "USUAL_SEQUENCES", few)
+    monkeypatch.setattr(time_to_quality, "MINUTES", 0.3)
+    table = time_to_quality.sequences_to_quality()
+    assert [0.1 < row[4] < 3 for row in table.rows] == [True] * 3
