@@ -25,7 +25,7 @@ P = 0.5
 FITTED = 2000
 """Baselines are fitted to at most this many windows, evenly spaced, to save memory and time."""
 DAMAGED = "as damaged"
-PRINCIPAL = "PCA on windows, input divided by 1 - p"
+PRINCIPAL = "PCA on windows, input / (1 - p)"
 LINEAR = "linear map of 15 frames"
 NETWORK = "the network"
 LINES = "mask: linear interpolation"
@@ -35,7 +35,7 @@ COMPLETED = "mask: completed by the manifold"
 SIMPLE = (PRINCIPAL, LINEAR)
 SIMPLE_WITH_MASK = (LINES, PCHIP, GAUSSIAN)
 """SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
-HEADER = ("method", "reconstruction, cm", "half of the values removed, cm", "share")
+HEADER = ("method", "reconstruction", "half removed", "share")
 NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
     "what is left of the damage. PCA has the number of axes that is best for the repair of the "
@@ -63,7 +63,8 @@ def half_removed(
     for name, undamaged, repaired in Repairs(manifold, fitted).of(test, damaged, P):
         error = test.error(repaired)
         rows.append([name, test.error(undamaged), error, error / before])
-    return Table(f"{len(testing)} test takes, {len(test)} windows:", HEADER, rows, best="low")
+    title = f"{len(testing)} test takes, {len(test)} windows, errors in cm:"
+    return Table(title, HEADER, rows, best="low")
 
 
 class Repairs:

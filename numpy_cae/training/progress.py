@@ -15,9 +15,9 @@ class ProgressPrinter:
     """A `report` that prints a line after each epoch, and every `INTERVAL_SECONDS` within one.
 
     The lines go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left".
-    In a terminal a stage has one line, which renews itself. An error on held-out takes is printed
-    where there is one in the history. `training` is the name of the training, with which each line
-    begins, where there are several.
+    In a terminal a stage has one short line, which renews itself. An error on held-out takes is
+    printed where there is one in the history. `training` is the name of the training, with which
+    each line begins, where there are several.
 
     Examples
     --------
@@ -35,13 +35,15 @@ class ProgressPrinter:
         if state.step and time.monotonic() - self.printed <= interval:
             return
         epochs = state.epoch + state.step / state.steps
-        done, losses = f"{epochs:.2f}/{state.epochs}", state.history.losses
-        if state.step == 0:
-            done = f"{state.epoch}/{state.epochs}: loss {losses[state.name][-1]:.5f}"
-            done += "".join(f", {HELD_OUT} {error:.2f}" for error in losses.get(HELD_OUT, [])[-1:])
+        losses = state.history.losses
+        done = f"{epochs:.2f}/{state.epochs}" if state.step else f"{state.epoch}/{state.epochs}"
+        done += "".join(f": loss {loss:.5f}" for loss in losses.get(state.name, [])[-1:])
+        done += "".join(f", held-out {error:.2f} cm" for error in losses.get(HELD_OUT, [])[-1:])
         elapsed = state.history.seconds[state.name]
         left = elapsed * (state.epochs / epochs - 1)
-        times = f"{elapsed:.0f} s elapsed, {left:.0f} s left"
+        times = f"{left:.0f} s left"
+        if not self.columns:  # one line of a terminal is short
+            times = f"{elapsed:.0f} s elapsed, {times}"
         line = f"{self.training}{state.name}, epoch {done}, {times}"
         if self.columns:
             is_last = state.epoch == state.epochs

@@ -8,7 +8,7 @@ from itertools import cycle
 
 import numpy as np
 
-from numpy_cae.motion.features import POSITIONS, features_to_positions
+from numpy_cae.motion.features import features_to_positions, local_positions
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.visible import visible
@@ -116,17 +116,14 @@ Motions = Mapping[str, tuple[np.ndarray, str]]
 """Label to features (F, 63) at thirty frames a second and a colour."""
 
 
-def world_actors(motions: Motions) -> list[Actor]:
+def world_actors(motions: Motions, placed=features_to_positions) -> list[Actor]:
     """Motions in the world, on the paths that follow from their velocities."""
     return [
-        Actor(features_to_positions(features), PARENTS, label, colour)
+        Actor(placed(features), PARENTS, label, colour, JOINTS)
         for label, (features, colour) in motions.items()
     ]
 
 
 def local_actors(motions: Motions) -> list[Actor]:
     """Motions in the frame of the body, without path and heading, for strips of poses."""
-    return [
-        Actor(features[:, POSITIONS].reshape(len(features), -1, 3), PARENTS, label, colour)
-        for label, (features, colour) in motions.items()
-    ]
+    return world_actors(motions, local_positions)

@@ -140,7 +140,7 @@ def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
     out = capsys.readouterr().out
     before, after = map(float, re.search(r"by ([\d.]+) cm .* are ([\d.]+) cm off", out).groups())
     assert after < 0.5 * before
-    for method in ("as damaged", "PCA on windows, input divided by 1 - p", "the network"):
+    for method in ("as damaged", "PCA on windows, input / (1 - p)", "the network"):
         assert f"| {method} " in out
     motions = {"damaged.bvh", "repaired.bvh", "true.bvh"}
     expected = {"model.npz", "figure_1.png", "index.html", *motions}

@@ -15,8 +15,8 @@ from numpy_cae.manifold.interpolate import TRANSITION, shares, with_path
 from numpy_cae.mocap import load_body
 from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.retarget.body import Body
-from numpy_cae.motion import features_to_positions
 from numpy_cae.viz import OTHERS, PROJECTED, TRUTH
+from numpy_cae.viz.actor import world_actors
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,15 +48,12 @@ def run(args: argparse.Namespace) -> int:
     one_motion.write(made, args.output)
     if args.html:
         share = "transition" if args.share == TRANSITION else f"{args.share:.0%} of the second"
-        shown = [
-            (first.features[:frames], args.first.stem, TRUTH),
-            (between, f"between: {share}", PROJECTED),
-            (second.features[:frames], args.second.stem, OTHERS[0]),
-        ]
-        actors = [  # of features, which all begin at one place and face one way
-            one_motion.body_actor(features_to_positions(features), label, colour)
-            for features, label, colour in shown
-        ]
+        shown = {
+            args.first.stem: (first.features[:frames], TRUTH),
+            f"between: {share}": (between, PROJECTED),
+            args.second.stem: (second.features[:frames], OTHERS[0]),
+        }
         rows = {f"share of {args.second.stem}": shares(args.share, frames)[:, 0]}
+        actors = world_actors(shown)  # all begin at one place and face one way
         one_motion.write_page(args.output, "both motions and the one between", actors, rows)
     return 0

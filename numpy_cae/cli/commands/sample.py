@@ -15,13 +15,13 @@ from numpy_cae.cli.shared.takes import usable_bodies
 from numpy_cae.cli.shared.targets import named_files
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.mocap import body_of, load_body
+from numpy_cae.mocap import load_body
 from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.retarget.body import Body, hold_first_pose
-from numpy_cae.motion import Motion, features_to_positions
+from numpy_cae.motion import RATE, Motion, features_to_positions
 from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.fit import fit_motion
-from numpy_cae.viz import PROJECTED
+from numpy_cae.viz import PROJECTED, motion_actor
 
 SECONDS = 5.0
 
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
         one_motion.write(motion, args.output.with_stem(stem))
     if args.html:
         actors = [
-            one_motion.body_actor(body_of(motion), f"sample {number}", PROJECTED)
+            motion_actor(motion, f"sample {number}", PROJECTED, RATE)
             for number, motion in enumerate(motions, start=1)
         ]
         one_motion.write_page(args.output, f"{args.number} drawn from the prior", actors)

@@ -98,7 +98,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
         made = pool.map(graded_file, files)
-        graded = list(with_progress(made, len(files), "files"))
+        graded = list(with_progress(made, len(files), "file"))
     if args.json:
         print(json.dumps([report.as_json() for report in graded], indent=1))
     elif args.csv or args.feedback:

@@ -10,7 +10,7 @@ from numpy_cae.cli.shared import arguments
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.mocap import write_bvh
-from numpy_cae.motion import JOINTS, PARENTS, RATE, Motion
+from numpy_cae.motion import RATE, Motion
 from numpy_cae.viz import Actor, save_viewer
 
 
@@ -45,11 +45,6 @@ def write(motion: Motion, path: Path) -> None:
     """Write a motion and print what was written."""
     write_bvh(motion, path)
     print(f"{path}: {motion}")
-
-
-def body_actor(body: np.ndarray, label: str, colour: str) -> Actor:
-    """A motion to draw, from the twenty joints (F, 20, 3) at thirty frames a second."""
-    return Actor(body, PARENTS, label, colour, JOINTS)
 
 
 def write_page(

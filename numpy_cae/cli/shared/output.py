@@ -37,16 +37,17 @@ class VisibleStream:
         self.is_bold = bool(self.columns) and not is_plain
 
     def write(self, text: str) -> int:
-        begin = "\r" * text.startswith("\r")  # of a progress bar
         encoding = self.stream.encoding or "utf-8"
         shown = visible(text.removeprefix("\r")).encode(encoding, "backslashreplace")
-        return self.stream.write(begin + self._laid_out(shown.decode(encoding)))
+        if text.startswith("\r"):  # a line that renews itself
+            return self.stream.write("\r" + shown.decode(encoding))
+        return self.stream.write(self._laid_out(shown.decode(encoding)))
 
     def _laid_out(self, text: str) -> str:
         if self.columns:
             text = "\n".join(wrapped(line, self.columns) for line in text.split("\n"))
         if self.is_bold:
-            text = re.sub(r"^(\S[^|\n]*?:)(?=\s)", rf"{BOLD}\1{PLAIN}", text, flags=re.MULTILINE)
+            text = re.sub(r"(?m)^([^\s|][^|\n]*?:)(?=\s)", rf"{BOLD}\1{PLAIN}", text)
         return text
 
     def __getattr__(self, name: str) -> Any:
@@ -80,7 +81,7 @@ def note(text: str) -> None:
 
 def with_progress(items: Iterable[Item], count: int, name: str) -> Iterator[Item]:
     """Yield the items; `working` prints the time, with the number and the name of the items."""
-    with working(f"{count} {name}") as is_done:
+    with working(f"{count} {name}{'s' * (count != 1)}") as is_done:
         for number, item in enumerate(items):
             if number:
                 is_done(number / count)

@@ -76,7 +76,7 @@ def usable_bodies(
     """
     left_out = 0
     bodies = read_bodies(paths, mapping, coordinates)
-    for body in with_progress(bodies, len(paths), "files"):
+    for body in with_progress(bodies, len(paths), "file"):
         if body.problem is None:
             yield body
         elif strict or len(paths) == 1:

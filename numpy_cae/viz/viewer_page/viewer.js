@@ -281,6 +281,7 @@ class Viewer {
     this.before = undefined;
     this.playButton.textContent = playing ? "❚❚" : "▶";
     this.playButton.title = this.playButton.ariaLabel = playing ? "pause" : "play";
+    this.stage.setSharpness(this.sharpness());
   }
 
   scrub(frame) {
@@ -335,9 +336,16 @@ class Viewer {
     const heavier = this.fps > FAST && this.tooHeavy[this.lighter - 1] < 2;
     const next = Math.min(this.lighter + (this.fps < SLOW) - heavier, 2);
     if (next === this.lighter) return;
-    if (next && this.lighter) this.stage.setSharpness(next === 2 ? 0.6 : Math.min(window.devicePixelRatio, 1));
-    else this.redraw(next > 0);
+    const before = this.lighter;
     this.lighter = next;
+    if (!next || !before) this.redraw(next > 0);
+    this.stage.setSharpness(this.sharpness());
+  }
+
+  // Pixels that are drawn for one of the page: few on a slow computer, while it plays.
+  sharpness() {
+    const most = Math.min(window.devicePixelRatio, 2);
+    return this.playing ? [most, Math.min(most, 1), 0.6][this.lighter] : most;
   }
 
   // A canvas keeps its way of drawing, so that another way needs another canvas.
