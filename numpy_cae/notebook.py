@@ -15,10 +15,9 @@ def register() -> None:
 
 def motion_html(motion) -> str:
     """What the motion is, and the viewer with it."""
-    from numpy_cae import viz
+    from numpy_cae import show
 
-    actor = viz.motion_actor(motion, repr(motion), viz.PROJECTED, motion.rate)
-    return viz.in_notebook([actor], motion.rate)._repr_html_()
+    return show(motion, labels=[repr(motion)])._repr_html_()
 
 
 def repaired_html(repaired) -> str:

@@ -2,9 +2,9 @@
 unchanged. The values that the file has in their place are ignored. In a folder every file is
 filled; the exit status is 1 if some files could not be used, 2 if none could.
 
-examples:
-  numpy-cae fill take.bvh -o filled.bvh --joint left_wrist --frames 30 75
-  numpy-cae fill stepped.bvh -o smooth.bvh --keyframes 15 --html
+examples, with the files that `numpy-cae demo` writes:
+  numpy-cae fill demo/true.bvh -o filled.bvh --joint left_wrist --frames 30 75
+  numpy-cae fill demo/true.bvh -o smooth.bvh --keyframes 15 --html
 """
 
 import argparse

@@ -1,8 +1,8 @@
 """Interpolate between two motions along a learned manifold. The result has the rig, the frame rate
 and the unit of the first motion; the longer motion is truncated.
 
-example:
-  numpy-cae interpolate press_ups.bvh walk.bvh -o between.bvh --share transition --html
+example, with the files that `numpy-cae demo` writes:
+  numpy-cae interpolate demo/damaged.bvh demo/true.bvh -o between.bvh --share transition --html
 """
 
 import argparse

@@ -6,13 +6,13 @@ what was found, and how far the joints moved. In a folder every file is repaired
 0 if something was changed, 3 if nothing was, 4 if nothing was and the motion is unlike what the
 model learned, 1 if some of several files could not be used, 2 if none could.
 
-examples:
-  numpy-cae repair take.bvh -o fixed.bvh --html
-  numpy-cae repair estimated.bvh -o fixed.bvh --from video
-  numpy-cae repair take.bvh -o fixed.bvh --joint left_wrist --frames 30 75
-  numpy-cae repair take.bvh -o part.bvh --only 2
-  numpy-cae repair take.bvh --dry-run --findings found.json
-  numpy-cae repair take.bvh -o fixed.bvh --mask found.json
+examples, with the files that `numpy-cae demo` writes:
+  numpy-cae repair demo/damaged.bvh -o fixed.bvh --html
+  numpy-cae repair demo/damaged.bvh -o fixed.bvh --from video
+  numpy-cae repair demo/damaged.bvh -o fixed.bvh --joint left_wrist --frames 30 75
+  numpy-cae repair demo/damaged.bvh -o part.bvh --only 2
+  numpy-cae repair demo/damaged.bvh --dry-run --findings found.json
+  numpy-cae repair demo/damaged.bvh -o fixed.bvh --mask found.json
 """
 
 import argparse

@@ -2,10 +2,9 @@
 axis, the floor, the unit and the frame rate. With -o, also write the names of the joints to a file,
 which can be corrected and given to other commands with --mapping.
 
-examples:
-  numpy-cae rig demo/true.bvh
-  numpy-cae rig unknown.bvh -o mapping.json
-  numpy-cae repair unknown.bvh -o fixed.bvh --mapping mapping.json
+examples, with the files that `numpy-cae demo` writes:
+  numpy-cae rig demo/true.bvh -o mapping.json
+  numpy-cae repair demo/damaged.bvh -o fixed.bvh --mapping mapping.json
 """
 
 import argparse

@@ -5,7 +5,9 @@ the model of the package. Other options replace those of the recipe. Only one tr
 write a model file: a second one is refused as soon as the first has saved its state in
 MODEL.checkpoint.npz.
 
-example: numpy-cae train motions/ -o model.npz --test '*_005.bvh' --recipe best
+examples, of which the first makes synthetic motions:
+  python -m data_synth motions --minutes 20
+  numpy-cae train motions/ -o model.npz --test '*_04.bvh' --recipe best
 """
 
 import argparse

@@ -3,8 +3,9 @@ gru, ...) for every property of that operation. Print for each property whether 
 smallest counterexample, and the likely mistake if the function behaves as a known wrong one does.
 In a lesson's notebook (.ipynb), test the functions in the exercise cells.
 
-examples: numpy-cae verify student.py --as conv1d=my_conv
-          numpy-cae verify submitted/ --csv marks.csv --feedback feedback/
+examples, after `numpy-cae lessons student/`:
+  numpy-cae verify student/03_convolution_by_hand.ipynb
+  numpy-cae verify student/ --csv marks.csv --feedback feedback/
 
 A file that imports numpy_cae gets no points: the operations are to be written by hand.
 NumPy and the standard library may be imported.
