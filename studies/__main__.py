@@ -61,7 +61,8 @@ def _run(names: list[str], words: list[str]) -> int:
     add_options(parser, (module.run for module in modules.values()))
     parser.add_argument("-o", "--output", type=Path, help="folder for a page, JSON and pictures")
     args = parser.parse_args(words)
-    inputs, results = Inputs(args), {}
+    inputs = Inputs(args)
+    results = {}
     for name, module in modules.items():
         result = results[name] = _measured(name, module, inputs, alone=len(names) == 1)
         print(text(result), end="\n\n", flush=True)
@@ -75,7 +76,8 @@ def _measured(name: str, module: ModuleType, inputs: Inputs, alone: bool) -> Res
     result has no tables and its note says why."""
     try:
         given = inputs.of(module.run)
-        began, processor = time.monotonic(), time.process_time()
+        began = time.monotonic()
+        processor = time.process_time()
         with working(name):
             result = module.run(**given)
     except (NumpyCaeError, ValueError, ArithmeticError) as error:

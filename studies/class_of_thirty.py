@@ -150,7 +150,8 @@ def hand_in(folder: Path) -> dict[tuple[str, str], int]:
 def by_command(folder: Path) -> tuple[dict[tuple[str, str], str], list[list[object]]]:
     """Grade the class with its roster; the points of each student's exercise, as text, and rows of
     what was measured."""
-    roster, table = folder / "class.csv", folder / "marks.csv"
+    roster = folder / "class.csv"
+    table = folder / "marks.csv"
     with roster.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([["student", "surname"], *([name, "?"] for name in NAMES)])
     table.unlink(missing_ok=True)

@@ -36,7 +36,9 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     Sliding is measured in the contacts that the constraint was given: those found in the plain
     projection, as the truth is unknown where a motion has to be repaired.
     """
-    tables, claims, motions = [], [], None
+    tables = []
+    claims = []
+    motions = None
     for source in dict.fromkeys(take.source for take in material.testing):
         takes = evenly(material.of(source).testing, TAKES)
         for lost, state in ((0.0, "as they are"), (P, "with half of the values removed")):

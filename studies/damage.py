@@ -1,4 +1,4 @@
-"""Damage of eleven kinds in the rig of the file, repaired with the mask unknown, with the mask
+"""Damage of eight kinds in the rig of the file, repaired with the mask unknown, with the mask
 given, and by simple methods; holes of several lengths; and what repair does to motions without
 damage.
 
@@ -24,11 +24,10 @@ from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
-from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.key_curves import ROTATION_CURVES, Curve
-from numpy_cae.repair import Preset, project_motion, repair
+from numpy_cae.repair import Preset, repair
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.interpolated import missing_joints, on_curves
 from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
@@ -50,22 +49,17 @@ PARTS: dict[str, tuple[Sequence[str], float]] = {
 best rotation curve that repair with the mask given may have."""
 DAMAGED, UNKNOWN, GIVEN = "as damaged", "repair, mask unknown", "repair, mask given"
 LINEAR = "Gaussian of 15 frames, mask given"
-PROJECTION, JITTER, BEST = "plain projection", "jitter", "best curve"
+JITTER, BEST = "jitter", "best curve"
 CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_CURVES.items()}
 """What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
 the rig on both sides. The curves are given the mask and the undamaged rotations."""
 LEAST_ERROR = 0.02
 """LEAST_ERROR: in ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
-REMAINS = dict.fromkeys(("frozen in channels", "frozen in the world"), 13 / 19)
-REMAINS |= {"spikes": 1 / 20, "twisted leg": 12 / 56}
-"""Repair with the mask unknown may leave at most this share of the damage."""
 RECALL, PRECISION = "of the damage, found", "of what is found, damaged"
 PROPOSED = ", with proposals"
-FOUND = 50.0
-"""FOUND: at least this percentage of the damage, and of what is found, is to be right."""
-CLEAN = ("change, cm", "touched, %", "sliding before, cm/s", "sliding after, cm/s", "known, %")
+CLEAN = ("change, cm", "touched, %", "known, %")
 """What repair does to takes without damage: mean change, share of joints and frames that it
-touched, sliding of the standing foot, share of takes that are like what the model learned from."""
+touched, share of takes that are like what the model learned from."""
 GAUSSIAN_TAKES = 60
 """GAUSSIAN_TAKES: the Gaussian is fitted to at most this many takes."""
 KINDS = tuple(DAMAGES)
@@ -110,7 +104,9 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         **{name: partial(curve_filling, curve) for name, curve in CURVES.items()},
         LINEAR: gaussian_filling(manifold, material.training),
     }
-    tables, claims, trials = [], [], {}
+    tables = list[Table]()
+    claims = list[Claim]()
+    trials = dict[str, _Trial]()
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
         trial = trials[source] = _Trial(manifold, fillings, seed)
@@ -121,7 +117,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
             trial.add_holes(material.motion(take), number)
         trial.add_ratios()
         tables += trial.tables(f"{source}, {len(takes)} takes")
-        claims += trial.claims(source)
+        claims += _of_holes(trial.values[RATIO], source)
     source, first = next(iter(trials.items()))
     learned = manifold.settings.get("takes")
     return Result(
@@ -137,20 +133,20 @@ class _Trial:
     """What every method makes of the takes of one source."""
 
     def __init__(self, manifold: MotionManifold, fillings: dict[str, Filling], seed: int):
-        self.manifold, self.fillings, self.seed = manifold, fillings, seed
+        self.manifold = manifold
+        self.fillings = fillings
+        self.seed = seed
         self.values: dict[str, Values] = {c: defaultdict(lambda: defaultdict(list)) for c in TABLES}
 
     def add(self, truth: Motion, number: int) -> None:
         """Repair a take without damage, and by every method with damage of each kind."""
-        true, repaired = body_positions(truth), repair(truth, self.manifold)
+        true = body_positions(truth)
+        repaired = repair(truth, self.manifold)
         after = body_positions(repaired.motion)
-        slides = [foot_sliding(positions, truth.rate) for positions in (true, after)]
-        change, touched = _distance(after, true).mean(), 100 * repaired.touched.mean()
-        measures = (change, touched, *slides, 100.0 * repaired.known)
-        for column, value in zip(CLEAN, measures, strict=True):
+        change = _distance(after, true).mean()
+        touched = 100 * repaired.touched.mean()
+        for column, value in zip(CLEAN, (change, touched, 100.0 * repaired.known), strict=True):
             self.values[INTACT][UNKNOWN][column].append(value)
-        projected = body_positions(project_motion(truth, self.manifold))
-        self.values[INTACT][PROJECTION][CLEAN[0]].append(_distance(projected, true).mean())
         for kind, damage in DAMAGES.items():
             for onset in ONSETS if kind in EASED else ONSETS[:1]:
                 damaged, mask = damage(truth, np.random.default_rng([self.seed, number, onset]))
@@ -185,8 +181,7 @@ class _Trial:
         made = {DAMAGED: damaged, UNKNOWN: repaired.motion}
         if not mask.all():
             made |= {name: filling(damaged, mask) for name, filling in self.fillings.items()}
-        made |= {name: filtered(damaged, name) for name in FILTERS}
-        return made | {PROJECTION: project_motion(damaged, self.manifold)}
+        return made | {name: filtered(damaged, name) for name in FILTERS}
 
     def add_holes(self, motion: Motion, number: int) -> None:
         """Fill holes in a take without damage, mask given; where the take is too short, none."""
@@ -223,50 +218,10 @@ class _Trial:
             for name, numbers in self.values[caption].items()
         ]
 
-    def claims(self, source: str) -> list[Claim]:
-        """The claims of the lab book on careful repair."""
-        mean = {
-            caption: {row: {c: np.mean(n) for c, n in each.items()} for row, each in rows.items()}
-            for caption, rows in self.values.items()
-        }
-        unknown, error = mean[INTACT][UNKNOWN], mean[ERROR]
-        change, touched, slides, after, _ = unknown.values()
-        kept = change <= 0.2 and touched <= 1.0 and after <= slides + 0.01
-        moved = max(mean[ELSEWHERE][UNKNOWN].values())
-        figures = f"{change:.3f} cm, {touched:.2f}%; {slides:.3f} cm/s, {after:.3f} after."
-        return [
-            Claim("clean_kept", bool(kept), figures, source),
-            *_of_repair(error, source),
-            _of_findings(mean[FINDINGS], source),
-            Claim("rest_kept", bool(moved <= 0.2), f"at most {moved:.2f} cm in the mean.", source),
-            *_of_holes(mean[RATIO], source),
-        ]
 
-
-def _of_repair(error: dict[str, dict[str, float]], source: str) -> Iterator[Claim]:
-    before, unknown, given = (error[name] for name in (DAMAGED, UNKNOWN, GIVEN))
-    best = min(FILTERS, key=lambda name: error[name][JITTER])
-    less = unknown[JITTER] <= error[best][JITTER]
-    figures = f"{before[JITTER]:.2f} cm before, {unknown[JITTER]:.2f} after, "
-    figures += f"{error[best][JITTER]:.2f} by {best}."
-    yield Claim("jitter_smoothed", bool(less), figures, source)
-    worse = [kind for kind in given if given[kind] > min(error[name][kind] for name in CURVES)]
-    yield Claim("marked_repaired", not worse, f"not for {', '.join(worse) or 'none'}.", source)
-    for kind, share in REMAINS.items():
-        left = unknown[kind] / before[kind]
-        figures = f"{before[kind]:.2f} cm before, {left:.0%} left."
-        yield Claim("unmarked_repaired", bool(left <= share), figures, f"{source}, {kind}")
-
-
-def _of_findings(found: dict[str, dict[str, float]], source: str) -> Claim:
-    rows = found[RECALL], found.get(PRECISION, {})
-    missed = [kind for kind in KINDS if min(row.get(kind, 0.0) for row in rows) < FOUND]
-    return Claim("damage_found", not missed, f"not of {', '.join(missed) or 'none'}.", source)
-
-
-def _of_holes(ratios: dict[str, dict[str, float]], source: str) -> Iterator[Claim]:
+def _of_holes(ratios: Values, source: str) -> Iterator[Claim]:
     for part, (_, most) in PARTS.items():
-        of_part = {hole: each[BEST] for hole, each in ratios.items() if hole.startswith(part)}
+        of_part = {hole: each[BEST][0] for hole, each in ratios.items() if hole.startswith(part)}
         figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items())
         filled = max(of_part.values(), default=np.inf) <= most
         yield Claim("holes_filled", bool(filled), f"{figures}.", f"{source}, {part}")

@@ -11,7 +11,14 @@ import numpy as np
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion.features import TURN, VELOCITY
 from numpy_cae.viz import OTHERS, PROJECTED, Curve, curves_figure
-from studies.comparison import EQUATION_4, EUCLIDEAN, RAW_EXTREMES, distances, rows_of_distances
+from studies.comparison import (
+    EQUATION_4,
+    EUCLIDEAN,
+    RAW_EXTREMES,
+    Rows,
+    distances,
+    rows_of_distances,
+)
 from studies.shared.material import Material, evenly, features_of
 from studies.shared.result import Claim, Picture, Result, Table
 
@@ -28,19 +35,9 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Measure each distance between test takes and their delayed copies. The seed is not used."""
     takes = features_of(manifold, evenly(material.testing, TAKES))
     of_distances = rows_of_distances(manifold)
-    shares: dict[str, list[float]] = {}
-    farther: dict[str, list[float]] = {}
-    for name in NAMES:
-        rows = of_distances[name]
-        between = distances(rows, takes, takes) ** 2
-        others = np.where(np.eye(len(takes), dtype=bool), np.inf, between)
-        median = np.median(others[np.isfinite(others)])
-        moved = [
-            np.diag(distances(rows, takes, [_delayed(take, delay) for take in takes]) ** 2)
-            for delay in DELAYS
-        ]
-        shares[name] = [float(np.median(each) / median) for each in moved]
-        farther[name] = [float(np.mean(each > others.min(axis=1))) for each in moved]
+    measured = {name: _measured(of_distances[name], takes) for name in NAMES}
+    shares = {name: of_take for name, (of_take, _) in measured.items()}
+    farther = {name: each for name, (_, each) in measured.items()}
     header = ["squared distance", *(f"{delay} frames" for delay in DELAYS)]
     captions = {
         "Of a take and its delayed copy, as a share of the median of two takes:": shares,
@@ -59,10 +56,27 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         opponent=f"min and max of the features {largest[RAW_EXTREMES]:.1%}, "
         f"Euclidean distance {largest[EUCLIDEAN]:.1%}.",
     )
+    return Result("G and a delay", tables, [claim], {"delays": Picture(lambda: _figure(shares))})
+
+
+def _measured(rows: Rows, takes: list[np.ndarray]) -> tuple[list[float], list[float]]:
+    """For each delay the squared distance as a share of the median of two takes, and the share of
+    takes whose delayed copy is farther than another take."""
+    between = distances(rows, takes, takes) ** 2
+    others = np.where(np.eye(len(takes), dtype=bool), np.inf, between)
+    median = np.median(others[np.isfinite(others)])
+    delayed = [
+        np.diag(distances(rows, takes, [_delayed(take, delay) for take in takes]) ** 2)
+        for delay in DELAYS
+    ]
+    shares = [float(np.median(each) / median) for each in delayed]
+    return shares, [float(np.mean(each > others.min(axis=1))) for each in delayed]
+
+
+def _figure(shares: dict[str, list[float]]):
     drawn = zip(shares.items(), (PROJECTED, *OTHERS), strict=False)
     curves = [Curve(DELAYS, row, name, colour) for (name, row), colour in drawn]
-    figure = Picture(lambda: curves_figure(curves, "delay, frames", "share of the median"))
-    return Result("G and a delay", tables, [claim], {"delays": figure})
+    return curves_figure(curves, "delay, frames", "share of the median")
 
 
 def _delayed(features: np.ndarray, frames: int) -> np.ndarray:

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from numpy_cae.evaluation.clips import clips_of
-from numpy_cae.manifold import hidden_units, learn_manifold
+from numpy_cae.manifold import MotionManifold, hidden_units, learn_manifold
 from numpy_cae.training import Schedule, recipe, zero_values
 from studies.shared.material import Material, features_of
 from studies.shared.result import Claim, Result, Table
@@ -33,32 +33,40 @@ def run(material: Material, seed: int = 0, epochs: int = EPOCHS) -> Result:
     kinds = {f"{n} of {len(FILTERS)} layers": (FILTERS[:n], layer) for n in (1, 2, 3)}
     kinds[SPARSE] = FILTERS, replace(layer, alpha=0.0)
     takes = [take.positions for take in material.training]
-    rows = []
+    measured = {}
     for name, (filters, stage) in kinds.items():
         manifold = learn_manifold(takes, Schedule(stage, fine), seed, filters=filters)
-        test = clips_of(manifold, [take.positions for take in material.testing])
-        damaged = zero_values(test.x, 0.5, np.random.default_rng(seed))
-        errors = (test.error(manifold.network.project(x)) for x in (test.x, damaged))
-        units = [hidden_units(manifold, take) for take in features_of(manifold, material.testing)]
-        active = float(np.mean(np.abs(np.concatenate(units)) > ACTIVE))
-        rows.append([name, *errors, active])
-    (_, _, one, _), (_, _, two, _), (_, _, three, sparse), (_, _, _, free) = rows
+        measured[name] = _measured(manifold, material, seed)
     header = ["stack", "reconstruction, cm", "half removed, cm", "active units"]
+    rows = [[name, *values] for name, values in measured.items()]
+    one, two, three, free = measured.values()
     return Result(
         "Depth of the stack",
         [Table(f"{epochs} epochs of each stage:", header, rows)],
         [
             Claim(
                 "deep_justified",
-                three < min(one, two),
-                f"three layers {three:.2f} cm;",
-                opponent=f"two {two:.2f}, one {one:.2f} cm.",
+                three[1] < min(one[1], two[1]),
+                f"three layers {three[1]:.2f} cm;",
+                opponent=f"two {two[1]:.2f}, one {one[1]:.2f} cm.",
             ),
             Claim(
                 "sparsity",
-                sparse < free,
-                f"{sparse:.0%} of the units are active with α = 0.01;",
-                opponent=f"{free:.0%} with α = 0.",
+                three[2] < free[2],
+                f"{three[2]:.0%} of the units are active with α = 0.01;",
+                opponent=f"{free[2]:.0%} with α = 0.",
             ),
         ],
     )
+
+
+def _measured(
+    manifold: MotionManifold, material: Material, seed: int
+) -> tuple[float, float, float]:
+    """The errors of reconstruction and with half of the values removed, cm, and the share of units
+    that are active."""
+    test = clips_of(manifold, [take.positions for take in material.testing])
+    damaged = zero_values(test.x, 0.5, np.random.default_rng(seed))
+    units = [hidden_units(manifold, take) for take in features_of(manifold, material.testing)]
+    reconstruction, repair = (test.error(manifold.network.project(x)) for x in (test.x, damaged))
+    return reconstruction, repair, float(np.mean(np.abs(np.concatenate(units)) > ACTIVE))

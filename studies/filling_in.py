@@ -15,6 +15,7 @@ missing for a whole clip has no keys; `python -m studies damage` has holes betwe
 import numpy as np
 
 from numpy_cae.evaluation import position_error
+from numpy_cae.evaluation.clips import Clips
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.fill import keyframe_mask
 from numpy_cae.manifold.shifted_projection import project_shifted
@@ -47,12 +48,7 @@ STEPPED_TAKES = 20
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Remove each wrist from test windows; hold every 15th frame of them; project both."""
     testing, sample = testing_of(manifold, material)
-    wrists = {}
-    for joint in WRISTS:
-        lost = testing.x.copy()
-        lost[..., joint_slice(joint)] = 0  # where it is in the mean pose
-        projected = project_repeated(manifold, lost)
-        wrists[joint] = [testing.error(x, joint) for x in (lost, projected)]
+    wrists = {joint: _without(manifold, testing, joint) for joint in WRISTS}
     takes = [take for take in material.testing if len(take.positions) > EVERY]
     if not takes:
         raise ValueError(f"it needs a test take of more than {EVERY} frames at 30 a second")
@@ -65,22 +61,32 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     drawn = each[len(each) // 2]
     colours = {HELD: CORRUPTED, REPEATED: PROJECTED, TRUE: TRUTH}
     motions = {name: (drawn[name], colour) for name, colour in colours.items()}
-    rows = [[name, *values] for name, values in measured.items()]
     return Result(
         "Filling in: a missing marker and stepped keyframes",
         [
             Table(
                 "Error at the missing joint, cm (root mean square of a coordinate):",
                 ["missing joint", MEAN_POSE, NETWORK],
-                [[joint, *errors] for joint, errors in wrists.items()],
+                [[joint, *pair] for joint, pair in wrists.items()],
                 best="low across",
             ),
-            Table(f"Every {EVERY}th frame held, mean of {len(each)} takes:", HEADER, rows),
+            Table(
+                f"Every {EVERY}th frame held, mean of {len(each)} takes:",
+                HEADER,
+                [[name, *values] for name, values in measured.items()],
+            ),
         ],
         [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)],
         {"filling_in": moving(motions, manifold.rate)},
         sample,
     )
+
+
+def _without(manifold: MotionManifold, testing: Clips, joint: str) -> list[float]:
+    """The error of a joint, cm, where it is in the mean pose, and after projection."""
+    lost = testing.x.copy()
+    lost[..., joint_slice(joint)] = 0
+    return [testing.error(x, joint) for x in (lost, project_repeated(manifold, lost))]
 
 
 def project_repeated(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
@@ -94,7 +100,8 @@ def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
     """The features (F, 63) of a motion at `RATE`, up to its last key, by every method."""
     frames = np.arange((len(motion) - 1) // EVERY * EVERY + 1)
     motion = motion.at(frames)
-    truth, mask = Body(motion, manifold.lengths).features, keyframe_mask(len(motion), EVERY)
+    truth = Body(motion, manifold.lengths).features
+    mask = keyframe_mask(len(motion), EVERY)
     held = truth[frames - frames % EVERY]
     filled = {HELD: held, REPEATED: manifold.project(held)}
     for name, curve in ROTATION_CURVES.items():

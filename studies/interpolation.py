@@ -45,7 +45,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     training = features_of(manifold, material.training)
     measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
     pca = PCA.fit(np.concatenate(training))
-    tables, claims = list[Table](), list[Claim]()
+    tables = list[Table]()
+    claims = list[Claim]()
     motions = {}
     for kind, takes in pairs.items():
         clips = [clips_of_pair(manifold, *pair) for pair in takes]

@@ -38,33 +38,15 @@ SEEN, NETWORK, TRUE = "seen by the Kinect", "the network", "truth"
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Simulate the capture of test windows, and repair it by projection, PCA and filters.
-
-    The width of the filter and the number of axes are chosen on training takes that are held back.
-    """
-    if len(material.training) < CHOOSING_EVERY:
-        raise ValueError(f"it needs {CHOOSING_EVERY} takes to train on, to choose settings")
-    takes = [take.positions for take in material.training]
-    held_back = takes[CHOOSING_EVERY - 1 :: CHOOSING_EVERY]
-    others = [take for number, take in enumerate(takes, start=1) if number % CHOOSING_EVERY]
-    choosing = clips_of(manifold, held_back).evenly(CHOOSING_WINDOWS)
+    """Simulate the capture of test windows, and repair it by projection, PCA and filters."""
     testing, sample = testing_of(manifold, material)
     rng = np.random.default_rng(seed)
-    practice = seen_windows(choosing, rng)
+    simple = _simple_methods(manifold, [take.positions for take in material.training], rng)
     seen = seen_windows(testing, rng)
-    fitting, training = (_pca_of(manifold, each) for each in (others, takes))
-
-    def chosen(method: Callable, trial: Callable, settings: tuple | list) -> np.ndarray:
-        return method(seen, min(settings, key=lambda s: choosing.error(trial(practice, s))))
-
-    repaired = {
-        SEEN: seen,
-        "Gaussian filter over time": chosen(_filtered, _filtered, SIGMAS),
-        "PCA on windows": chosen(training.project, fitting.project, fitting.sizes),
-        NETWORK: manifold.network.project(seen),
-    }
+    repaired = {SEEN: seen} | {name: method(seen) for name, method in simple.items()}
+    repaired[NETWORK] = manifold.network.project(seen)
     errors = {name: testing.error(x) for name, x in repaired.items()}
-    simple = min(list(errors)[1:3], key=lambda name: errors[name])
+    best = min(simple, key=lambda name: errors[name])
     left = errors[NETWORK] / errors[SEEN]
     shown = {TRUE: (testing.x, TRUTH), SEEN: (seen, CORRUPTED)}
     shown[NETWORK] = repaired[NETWORK], PROJECTED
@@ -73,7 +55,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "kinect_closer",
         left < MOST_LEFT,
         f"{errors[SEEN]:.2f} cm before, {errors[NETWORK]:.2f} cm after, {left:.2f} of it;",
-        opponent=f"{simple}: {errors[simple]:.2f} cm.",
+        opponent=f"{best}: {errors[best]:.2f} cm.",
     )
     rows = [[name, error, error / errors[SEEN]] for name, error in errors.items()]
     return Result(
@@ -83,6 +65,27 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         {"kinect": moving(drawn, manifold.rate)},
         sample,
     )
+
+
+def _simple_methods(
+    manifold: MotionManifold, takes: list[np.ndarray], rng: np.random.Generator
+) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
+    """A filter, and PCA of the training takes. The width of the filter and the number of axes are
+    chosen on every `CHOOSING_EVERY`-th of these takes, held back."""
+    if len(takes) < CHOOSING_EVERY:
+        raise ValueError(f"it needs {CHOOSING_EVERY} takes to train on, to choose settings")
+    others = [take for number, take in enumerate(takes, start=1) if number % CHOOSING_EVERY]
+    choosing = clips_of(manifold, takes[CHOOSING_EVERY - 1 :: CHOOSING_EVERY])
+    choosing = choosing.evenly(CHOOSING_WINDOWS)
+    practice = seen_windows(choosing, rng)
+    trial = _pca_of(manifold, others)
+    sigma = min(SIGMAS, key=lambda each: choosing.error(_filtered(practice, each)))
+    axes = min(trial.sizes, key=lambda each: choosing.error(trial.project(practice, each)))
+    pca = _pca_of(manifold, takes)
+    return {
+        "Gaussian filter over time": lambda x: _filtered(x, sigma),
+        "PCA on windows": lambda x: pca.project(x, axes),
+    }
 
 
 def seen_windows(clips: Clips, rng: np.random.Generator) -> np.ndarray:

@@ -50,10 +50,12 @@ class _File:
     """A motion file, what every method makes of it, and the rows of the table."""
 
     def __init__(self, name: str, motion: Motion, manifold: MotionManifold):
-        self.name, preset = name, fitting_preset(motion)
+        self.name = name
+        preset = fitting_preset(motion)
         self.proposed = f"--from {preset}" if preset else REPAIR
         filtered = filter_motion(motion, lambda curve: strongly_filtered(curve, motion.rate))
-        self.made, said = {BEFORE: motion, FILTER: filtered}, {}
+        self.made = {BEFORE: motion, FILTER: filtered}
+        said = {}
         for name, settings in METHODS.items():
             repaired = repair(motion, manifold, preset=settings)
             self.made[name] = repaired.motion
@@ -88,7 +90,8 @@ def measures_of(before: Motion, after: Motion) -> Measures:
     """The measures of a motion `after` a repair, which may have cut off its start."""
     before = before.at(slice(len(before) - len(after), None))
     near = with_margin(jumping_steps(before), round(NEAR * before.rate))
-    jumps, positions = jumping_steps(after), body_positions(after)
+    jumps = jumping_steps(after)
+    positions = body_positions(after)
     lengths = np.linalg.norm(after.translations[:, 1:], axis=-1)
     moved = positions - body_positions(before)
     change = np.linalg.norm(moved - moved[:, :1], axis=-1)[~near]
@@ -115,7 +118,8 @@ def verdict(before: Measures, after: Measures) -> str:
 
 def run(manifold: MotionManifold, folders: Sequence[str | Path], seed: int = 0) -> Result:
     """Measure every motion file below the folders."""
-    files, refused = [], []
+    files = []
+    refused = []
     for path in (path for folder in folders for path in find_motion_files(folder)):
         try:
             files.append(_File(path.name, load_motion(path), manifold))

@@ -39,7 +39,8 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     training = features_of(manifold, material.training)
     testing = features_of(manifold, material.testing)
     encoded = encode_windows(manifold, training)
-    prior, frames = NeighbourPrior(encoded), encoded.shape[1] * manifold.network.stride
+    prior = NeighbourPrior(encoded)
+    frames = encoded.shape[1] * manifold.network.stride
     clips = {
         REAL: testing,
         PROJECTED_REAL: [manifold.project(take) for take in testing],

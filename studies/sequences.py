@@ -92,7 +92,8 @@ def _provenance(
 
 def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
     """Measure each study's network on its held-out clips; z has one size in all of them."""
-    tables, claims = [], []
+    tables = []
+    claims = []
     for study in studies:
         action = study.action
         table = evaluated.reconstruction(

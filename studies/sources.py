@@ -10,6 +10,8 @@ by what they are given, as in `numpy_cae.evaluation.half_removed`: the zeros as 
 "mask:" on, which values are missing. PCA has the number of axes that is best on the windows it is
 tested on, which favours PCA; the linear map is fitted for each p.
 
+The picture of each source that was left out has one window, completed by four methods, moving.
+
     python -m studies sources --data bandai cmu/asfamc motions
 """
 
@@ -19,12 +21,12 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared.takes import each_usable
-from numpy_cae.evaluation.clips import clips_of
+from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.evaluation.half_removed import COMPLETED, GAUSSIAN, PCHIP, Repairs
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import load_body
 from numpy_cae.training import recipe
-from studies.repair_sweep import WINDOWS, Errors, swept
+from studies.repair_sweep import WINDOWS, Errors, completions, swept
 from studies.shared.result import Claim, Result, Table
 
 RECIPE = "fast"
@@ -45,28 +47,31 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
     takes = {Path(folder).resolve().name: _takes_of(folder) for folder in folders}
     tables = []
     claims = []
+    figures = {}
     for name, own in takes.items():
         others = [take for other, each in takes.items() if other != name for take in each]
-        errors = errors_on(others, own, seed)
+        repairs, test = _fitted(others, own, seed)
+        errors = swept(repairs, test, PS, range(seed, seed + SEEDS))
+        figures[name] = completions(repairs, test, PS, seed)
         claims.append(_claim(name, errors))
         tables.append(_table(f"{name}, {LEFT_OUT}", errors))
         earlier = [take for number, take in enumerate(own) if number % FIFTH]
-        tables.append(_table(f"{name}, {SAME}", errors_on(earlier, own[::FIFTH], seed)))
-    return Result("A source that was not in training", tables, claims)
+        errors = swept(*_fitted(earlier, own[::FIFTH], seed), PS, range(seed, seed + SEEDS))
+        tables.append(_table(f"{name}, {SAME}", errors))
+    return Result("A source that was not in training", tables, claims, figures)
 
 
 def _takes_of(folder: str | Path) -> list[np.ndarray]:
     return [positions for _, positions in each_usable([folder], lambda path: load_body(path)[0])]
 
 
-def errors_on(
-    training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int = 0
-) -> Errors:
-    """The errors of every method, fitted to takes (F, 20, 3), on windows of other takes."""
+def _fitted(
+    training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int
+) -> tuple[Repairs, Clips]:
+    """The methods, fitted to takes (F, 20, 3), and windows of other takes."""
     manifold = learn_manifold(training, recipe(RECIPE), seed)
     repairs = Repairs(manifold, clips_of(manifold, training))
-    test = clips_of(manifold, testing).evenly(WINDOWS)
-    return swept(repairs, test, PS, range(seed, seed + SEEDS))
+    return repairs, clips_of(manifold, testing).evenly(WINDOWS)
 
 
 def _table(caption: str, errors: Errors) -> Table:

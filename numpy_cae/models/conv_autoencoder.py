@@ -82,13 +82,6 @@ class ConvAutoencoder:
             make(taps, below, above, bound, rng, dtype) for below, above in pairwise(channels)
         ]
 
-    @classmethod
-    def from_layers(cls, layers: Sequence[ConvLayer]) -> ConvAutoencoder:
-        """The network of given layers, lowest first; the layers are not copied."""
-        model = cls.__new__(cls)
-        model.layers = list(layers)
-        return model
-
     @property
     def parameters(self) -> dict[str, np.ndarray]:
         """The learned arrays themselves, by name: w1, b1 (the lowest layer), w2, b2, …"""

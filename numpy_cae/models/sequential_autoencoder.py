@@ -107,14 +107,6 @@ class SequentialAutoencoder:
         self.weights: Weights = initial_weights(features, hidden, latent, rng, dtype)
         self.burn_in = burn_in
 
-    @classmethod
-    def from_weights(cls, weights: Weights, burn_in: int = 0) -> SequentialAutoencoder:
-        """The network of given weights; neither the dict nor the arrays are copied."""
-        model = cls.__new__(cls)
-        model.weights = weights
-        model.burn_in = burn_in
-        return model
-
     @property
     def features(self) -> int:
         """Numbers of a frame."""

@@ -58,8 +58,10 @@ def _slopes(column: np.ndarray, key: np.ndarray, value: np.ndarray) -> np.ndarra
     joined = np.concatenate([[False], np.diff(column) == 0, [False]])
     width = np.where(joined, np.concatenate([[1], np.diff(key), [1]]), 1)
     secant = np.concatenate([[0], np.diff(value), [0]]) / width
-    w0, w1 = width[:-1], width[1:]
-    d0, d1 = secant[:-1], secant[1:]
+    w0 = width[:-1]
+    w1 = width[1:]
+    d0 = secant[:-1]
+    d1 = secant[1:]
     same = d0 * d1 > 0
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = 3 * (w0 + w1) / ((2 * w1 + w0) / d0 + (w1 + 2 * w0) / d1)
@@ -77,8 +79,10 @@ def _end_slopes(
     """The slopes at the outer ends of the first or last intervals of columns: that of the parabola
     through three values, limited so that the curve stays monotone."""
     beyond = np.clip(interval + inwards, 0, len(joined) - 1)
-    w0, w1 = width[interval], width[beyond]
-    d0, d1 = secant[interval], secant[beyond]
+    w0 = width[interval]
+    w1 = width[beyond]
+    d0 = secant[interval]
+    d1 = secant[beyond]
     slope = ((2 * w0 + w1) * d0 - w0 * d1) / (w0 + w1)
     slope = np.where(slope * d0 <= 0, 0.0, slope)
     slope = np.where((d0 * d1 <= 0) & (np.abs(slope) > 3 * np.abs(d0)), 3 * d0, slope)

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.training.interpolation import interpolated
 from studies.cmu_protocol.protocol import Fill, Method
 
 OFFSET, MEMORY = 0.5, 10
@@ -39,7 +38,8 @@ def nearest(spread: np.ndarray) -> Method:
     """Copy the training row with the nearest visible columns, each multiplied by its `spread`."""
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        rows, visible = np.concatenate(takes), others(columns)
+        rows = np.concatenate(takes)
+        visible = others(columns)
         weighted = rows[:, visible] * spread[visible]
 
         def fill(take: np.ndarray, first: int) -> np.ndarray:
@@ -52,21 +52,9 @@ def nearest(spread: np.ndarray) -> Method:
     return learn
 
 
-def held(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-    """Repeat the last known value; no later value is known to interpolate to."""
-
-    def fill(take: np.ndarray, first: int) -> np.ndarray:
-        return interpolated(np.nan_to_num(take)[None], ~np.isnan(take)[None])[0][:, columns]
-
-    return fill
-
-
-def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
-    """Ridge regression on the visible columns of `taps` rows.
-
-    With a width it is kernel ridge regression, the mean of a Gaussian process, with the kernel
-    exp(-d² / (width · number of values)) of the distance d of the visible columns.
-    """
+def gaussian_process(taps: int, penalty: float, width: float) -> Method:
+    """The mean of a Gaussian process, with the kernel exp(-d² / (width · number of values)) of the
+    distance d of the visible columns of `taps` rows, and `penalty` on its diagonal."""
 
     def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
         seen = np.concatenate([around(take[:, others(columns)], taps) for take in takes])
@@ -74,8 +62,6 @@ def ridge(taps: int, penalty: float, width: float | None = None) -> Method:
         mean = hidden.mean(axis=0)
 
         def kernel(rows: np.ndarray) -> np.ndarray:
-            if width is None:
-                return rows @ seen.T
             lengths = np.square(rows).sum(axis=1)[:, None] + np.square(seen).sum(axis=1)
             return np.exp(-(lengths - 2 * rows @ seen.T) / (width * seen.shape[1]))
 

@@ -16,11 +16,12 @@ from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Stage
 from numpy_cae.training.schedule import learning_rates
 from numpy_cae.training.step import denoising_step, make_optimiser
-from studies.cmu_protocol.baselines import add_residual, ridge
-from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, Learn, Method
+from studies.cmu_protocol.baselines import add_residual, gaussian_process
+from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, Method
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
-"""Settings of `ridge`. They and all constants below were chosen on training takes left out."""
+"""Settings of `gaussian_process`. They and all constants below were chosen on training takes that
+were left out."""
 VISIBLE, HIDDEN = 0.05, 0.4
 """Factors of the standardised columns, so that the loss is mostly that of the hidden ones."""
 NOISE = 0.3
@@ -37,42 +38,38 @@ Project = Callable[[np.ndarray], np.ndarray]
 """A take (F, 59), multiplied by the factors of its columns, to the network's output."""
 
 
-def networks_of(seeds: Sequence[int]) -> Learn:
-    """A `Learn` that trains one network for each seed.
+def networks(takes: Sequence[np.ndarray], columns: list[int], seeds: Sequence[int]) -> list[Fill]:
+    """One network for each seed.
 
     When filling in, the columns are hidden in all rows, so that `add_residual` can measure the
     network's error in the rows before the hole.
     """
+    factors = np.full(59, VISIBLE, np.float32)
+    factors[columns] = HIDDEN
+    padded = [_padded(take * factors, WINDOW // 4) for take in takes]
+    started = [_padded(take * factors, WINDOW // 4) for take in _started(takes, columns)]
+    fill_start = start(columns)(takes, columns)
 
-    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> list[Fill]:
-        factors = np.full(59, VISIBLE, np.float32)
-        factors[columns] = HIDDEN
-        padded = [_padded(take * factors, WINDOW // 4) for take in takes]
-        started = [_padded(take * factors, WINDOW // 4) for take in _started(takes, columns)]
+    def draw(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        x, corrupted = _windows(padded, started, rng)
+        noise = rng.standard_normal(x.shape, dtype=np.float32)
+        return x, corrupted + NOISE * factors * noise
 
-        def draw(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-            x, corrupted = _windows(padded, started, rng)
-            noise = rng.standard_normal(x.shape, dtype=np.float32)
-            return x, corrupted + NOISE * factors * noise
+    def fill_with(project: Project) -> Fill:
+        def fill(take: np.ndarray, first: int) -> np.ndarray:
+            whole = take.copy()
+            whole[:, columns] = fill_start(take, first)
+            return (project(whole * factors) / factors)[:, columns]
 
-        def fill_with(project: Project) -> Fill:
-            def fill(take: np.ndarray, first: int) -> np.ndarray:
-                whole = take.copy()
-                whole[:, columns] = fill_start(take, first)
-                return (project(whole * factors) / factors)[:, columns]
+        return add_residual(fill, columns)
 
-            return add_residual(fill, columns)
-
-        fill_start = start(columns)(takes, columns)
-        return [fill_with(trained(draw, seed)) for seed in seeds]
-
-    return learn
+    return [fill_with(trained(draw, seed)) for seed in seeds]
 
 
 def start(columns: list[int]) -> Method:
     """The method that predicts these columns before the network corrects the prediction."""
     group = next(name for name, hidden in GROUPS.items() if hidden == columns)
-    return ridge(*START[group])
+    return gaussian_process(*START[group])
 
 
 def trained(draw: Draw, seed: int) -> Project:

@@ -35,8 +35,6 @@ Fill = Callable[[np.ndarray, int], np.ndarray]
 Method = Callable[[Sequence[np.ndarray], list[int]], Fill]
 """Standardised takes (F, 59) to learn from, and the columns to hide, to the function that fills in
 these columns."""
-Learn = Callable[[Sequence[np.ndarray], list[int]], list[Fill]]
-"""The same for several methods at once."""
 
 
 @dataclass(frozen=True)
@@ -84,22 +82,6 @@ class Protocol:
         """The hidden values of the test take as filled in and in truth, (62, H), standardised."""
         return _filled(fill, (self.test - self.mean) / self.deviation, columns, FIRST_HIDDEN)
 
-    def left_out(self, learn: Learn, columns: list[int]) -> list[np.ndarray]:
-        """The errors of each method on training takes that it has not learned from.
-
-        The takes are left out in `FOLDS` parts, and the second half of each is hidden. All settings
-        were chosen by these errors.
-        """
-        takes, parts = list(enumerate(self.standardised)), []
-        for fold in range(FOLDS):
-            fills = learn([take for n, take in takes if n % FOLDS != fold], columns)
-            left_out = [take for n, take in takes if n % FOLDS == fold]
-            parts += [
-                [_filled(fill, take, columns, len(take) // 2) for fill in fills]
-                for take in left_out
-            ]
-        return [self.errors(of_method, columns) for of_method in zip(*parts, strict=True)]
-
 
 def _filled(
     fill: Fill, take: np.ndarray, columns: list[int], first: int
@@ -115,7 +97,8 @@ def rows_of(frames: np.ndarray) -> np.ndarray:
     Angles in degrees, wrapped as asin(sin θ); of the root its steps over the floor and its height,
     sine and cosine of two angles, and the steps of those of the third.
     """
-    before, after = frames[:-1], frames[1:]
+    before = frames[:-1]
+    after = frames[1:]
     angles = np.arcsin(np.sin(np.deg2rad(after[:, ANGLES])))
     steps = before[:, [0, 2]] - after[:, [0, 2]]
     parts = [angles, steps, after[:, 1:2]]

@@ -64,7 +64,8 @@ def foot_sliding_error(features: np.ndarray, contacts: np.ndarray) -> tuple[floa
     """
     q = local_positions(features)
     feet = q[:, FEET][..., [_X, _Z]]
-    velocity, turn = features[:-1, None, VELOCITY], features[:-1, TURN]
+    velocity = features[:-1, None, VELOCITY]
+    turn = features[:-1, TURN]
     carried = rotate_on_floor(feet[1:], turn)
     stays = (contacts[1:] & contacts[:-1])[..., None]
     moved = stays * (velocity + carried - feet[:-1])

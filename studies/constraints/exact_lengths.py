@@ -36,12 +36,14 @@ def exact_lengths(features: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray
     features = np.asarray(features, np.float64)
     q = local_positions(features)
     e = q.copy()
-    unit, ratio = np.zeros_like(q), np.zeros((*q.shape[:2], 1))
+    unit = np.zeros_like(q)
+    ratio = np.zeros((*q.shape[:2], 1))
     for joint, parent in enumerate(PARENTS):
         if parent >= 0:
             bone = q[:, joint] - q[:, parent]
             length = np.maximum(np.linalg.norm(bone, axis=-1, keepdims=True), _SHORTEST)
-            unit[:, joint], ratio[:, joint] = bone / length, lengths[joint] / length
+            unit[:, joint] = bone / length
+            ratio[:, joint] = lengths[joint] / length
             e[:, joint] = e[:, parent] + lengths[joint] * unit[:, joint]
     exact = features.copy()
     exact[:, POSITIONS] = e.reshape(len(q), -1)
@@ -54,7 +56,8 @@ def exact_lengths(features: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray
             if parent < 0:
                 dq[:, joint] += d_below[:, joint]
                 continue
-            d, u = d_below[:, joint], unit[:, joint]
+            d = d_below[:, joint]
+            u = unit[:, joint]
             d_bone = ratio[:, joint] * (d - u * np.sum(u * d, axis=-1, keepdims=True))
             dq[:, joint] += d_bone
             dq[:, parent] -= d_bone

@@ -113,7 +113,8 @@ def stateful(change: Callable) -> tuple:
     """tanh, whose pullback keeps something: `change` gets dx, and a dict for each call of tanh."""
 
     def f(x):
-        y, kept = np.tanh(x), {}
+        y = np.tanh(x)
+        kept = {}
         return y, lambda dy: change(dy * (1 - y * y), kept)
 
     return f, NORMAL

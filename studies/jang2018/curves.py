@@ -30,7 +30,8 @@ def figure_2(studies: Sequence[Study]) -> Result:
     for action, curve in curves.items():
         for measure, name in MEASURES.items():
             tenth = max(1, len(curve[measure]) // 10)
-            first, last = curve[measure][:tenth].mean(), curve[measure][-tenth:].mean()
+            first = curve[measure][:tenth].mean()
+            last = curve[measure][-tenth:].mean()
             trend = kendalltau(curve["steps"], curve[measure])
             row = [f"{action}: {name}", first, last, last / first]
             rows.append([*row, float(trend.statistic), float(trend.pvalue)])
@@ -44,7 +45,8 @@ def figure_2(studies: Sequence[Study]) -> Result:
 
 def _claim(table: Table, measure: str, actions: Sequence[str]) -> Claim:
     names = [f"{action}: {MEASURES[measure]}" for action in actions]
-    falls, figures = True, []
+    falls = True
+    figures = []
     for name, action in zip(names, actions, strict=True):
         trend, probability, ratio = (table.value(name, column) for column in ("τ", "p", "ratio"))
         falls = falls and trend < 0 and probability < LEAST_PROBABILITY

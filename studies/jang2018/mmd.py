@@ -29,7 +29,8 @@ def maximum_mean_discrepancy(z: np.ndarray, prior: np.ndarray) -> tuple[float, P
     The prior gets no gradient.
     """
     count = len(z)
-    inside, between = count * (count - 1), count * count
+    inside = count * (count - 1)
+    between = count * count
     k_z, slope_z = _kernel(z, z)
     k_prior, _ = _kernel(prior, prior)
     k_both, slope_both = _kernel(z, prior)

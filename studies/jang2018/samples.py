@@ -18,8 +18,8 @@ from numpy_cae.evaluation.table import Table
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
 from studies.jang2018.measures import diversity, nearest_distance, nearest_neighbour_accuracy
-from studies.jang2018.moving import gif
 from studies.jang2018.training import CLIPS, Study
+from studies.shared.moving import gif
 from studies.shared.result import Claim, Picture, Result
 
 SHOWN_IN_PAPER = 16
@@ -41,7 +41,8 @@ def fitted_latents(study: Study, count: int, seed: int) -> np.ndarray:
 
 def sample_clips(study: Study, source: str, count: int, seed: int) -> np.ndarray:
     """Normalised clips (count, F, 54) from FITTED or PRIOR, or REAL ones of the test motions."""
-    network, frames = study.manifold.network, study.manifold.frames
+    network = study.manifold.network
+    frames = study.manifold.frames
     if source == FITTED:
         return network.decode(fitted_latents(study, count, seed), frames)
     if source == PRIOR:
@@ -82,11 +83,13 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
 def _rows(study: Study, seed: int) -> list[list]:
     held_out = study.random_clips(SAMPLES, seed, training=False)
     training = study.random_clips(SAMPLES, seed + 1)
-    real_near, real_diversity = nearest_distance(training, held_out), diversity(held_out)
+    real_near = nearest_distance(training, held_out)
+    real_diversity = diversity(held_out)
     rows = []
     for source in (FITTED, PRIOR, REAL):
         clips = training if source == REAL else sample_clips(study, source, SAMPLES, seed)
-        near, spread = nearest_distance(clips, held_out), diversity(clips)
+        near = nearest_distance(clips, held_out)
+        spread = diversity(clips)
         accuracy = nearest_neighbour_accuracy(held_out, clips)
         measured = near / real_near, accuracy, spread / real_diversity
         rows.append([f"{study.action.name}: {source}", *measured])

@@ -71,7 +71,8 @@ def train_study(
     With `mmd` the regulariser is the maximum mean discrepancy of the codes from the prior.
     `network` are the arguments of `untrained_sequences` that describe the network.
     """
-    rng, rng_of_errors = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+    rng = np.random.default_rng(seed)
+    rng_of_errors = np.random.default_rng([seed, 1])
     manifold = untrained_sequences(action.training, rng, **network)
     trained = manifold.network
     interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)

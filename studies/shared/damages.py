@@ -1,22 +1,19 @@
-"""Eleven kinds of damage to a motion in the rig of its file, for `python -m studies damage`.
+"""Eight kinds of damage to a motion in the rig of its file, for `python -m studies damage`.
 
 Each function returns the damaged motion and the mask of its damaged joints and frames. The last
-four kinds are those of Mu et al., "StableMotion: Training Motion Cleanup Models with Unpaired
-Corrupted Data" (SIGGRAPH Asia 2025, arXiv:2505.03154), with the numbers of the authors' program
+kind is one of Mu et al., "StableMotion: Training Motion Cleanup Models with Unpaired Corrupted
+Data" (SIGGRAPH Asia 2025, arXiv:2505.03154), with the numbers of the authors' program
 (github.com/Murrol/StableMotion, `motion_artifacts_smpl`), where motions have 20 frames a second.
-Unlike there, a motion has damage of one kind, and noise is never smoothed.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import body_positions, find_joints, retarget
 from numpy_cae.motion import JOINTS, RATE, Motion
-from numpy_cae.motion.filters import filter_motion
 from numpy_cae.motion.fit import bent
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.quaternions import slerp
@@ -38,11 +35,9 @@ JITTER, ROOT_JITTER = np.radians(1.5), 0.004
 metres."""
 LONG = (1.0, 2.0)
 """LONG: the range of the length of damage as in StableMotion (s)."""
-NOISE, MOST_NOISE, SMOOTHED, LONGER, FASTEST = 0.1, 0.5, 0.2, 0.1, 0.5
-"""Numbers of StableMotion. NOISE, MOST_NOISE: the standard deviation of noise of quaternions, times
-0.5 to 1, and its bound. SMOOTHED: that of the Gaussian filter that smooths too much (s). LONGER:
-steps of a sliding body are longer by up to this share. FASTEST: a body drifts by up to this speed
-(m/s), divided by the root of the number of frames, as there."""
+NOISE, MOST_NOISE = 0.1, 0.5
+"""NOISE, MOST_NOISE: the standard deviation of noise of quaternions, times 0.5 to 1, and its bound;
+numbers of StableMotion."""
 WRONG = 0.001
 """WRONG: a joint that damage moves by more than this (m) is damaged."""
 
@@ -57,7 +52,8 @@ def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
 
 def eased(motion: Motion, damaged: Motion, mask: np.ndarray, onset: int) -> Motion:
     """Damage that begins and ends over `onset` frames at 30 a second within its stretch."""
-    frame, (first, *_, last) = np.arange(len(motion)), np.flatnonzero(mask.any(axis=1))
+    frame = np.arange(len(motion))
+    first, *_, last = np.flatnonzero(mask.any(axis=1))
     steps = onset * motion.rate / RATE + 1
     share = np.clip(np.minimum(frame - first + 1, last + 1 - frame) / steps, 0.0, 1.0)[:, None]
     rotations = slerp(motion.rotations, damaged.rotations, share)
@@ -88,9 +84,11 @@ def _turned(
 ) -> Damaged:
     """Turn a limb at its hip or shoulder, in its own frame or its parent's, about a random axis."""
     names = LIMBS[limb or str(rng.choice(list(LIMBS)))]
-    rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
+    rig = find_joints(motion.skeleton)
+    rotations = motion.rotations.copy()
     first = JOINTS.index(names[0])
-    joint, child = rig[first - 1], rig[first]  # a limb's joints follow one another
+    joint = rig[first - 1]  # a limb's joints follow one another
+    child = rig[first]
     axis = np.cross(motion.skeleton.offsets[child], rng.normal(size=3))
     turn = Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis))
     before = Rotation.from_quat(rotations[frames, joint])
@@ -101,8 +99,10 @@ def _turned(
 
 def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
     """The rotations of a shoulder and an elbow stay constant for a stretch."""
-    side, frames = rng.choice(["left", "right"]), stretch(motion, rng.uniform(*SECONDS), rng)
-    rig, rotations = find_joints(motion.skeleton), motion.rotations.copy()
+    side = rng.choice(["left", "right"])
+    frames = stretch(motion, rng.uniform(*SECONDS), rng)
+    rig = find_joints(motion.skeleton)
+    rotations = motion.rotations.copy()
     for name in ("shoulder", "elbow"):
         joint = rig[JOINTS.index(f"{side}_{name}")]
         rotations[frames, joint] = rotations[frames.start, joint]
@@ -112,7 +112,8 @@ def frozen_in_channels(motion: Motion, rng: Rng) -> Damaged:
 
 def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
     """A wrist stays at one point of the world for a stretch, as far as the arm reaches."""
-    side, frames = rng.choice(["left", "right"]), stretch(motion, rng.uniform(*SECONDS), rng)
+    side = rng.choice(["left", "right"])
+    frames = stretch(motion, rng.uniform(*SECONDS), rng)
     positions = body_positions(motion)
     arm = [JOINTS.index(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")]
     chain = positions[frames][:, arm]
@@ -129,7 +130,8 @@ def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
 
 def missing_marker(motion: Motion, rng: Rng) -> Damaged:
     """A forearm is in the rest pose for a stretch, as if the marker of the wrist were missing."""
-    side, frames = rng.choice(["left", "right"]), stretch(motion, rng.uniform(*SECONDS), rng)
+    side = rng.choice(["left", "right"])
+    frames = stretch(motion, rng.uniform(*SECONDS), rng)
     rotations = motion.rotations.copy()
     elbow = find_joints(motion.skeleton)[JOINTS.index(f"{side}_elbow")]
     rotations[frames, elbow] = (0.0, 0.0, 0.0, 1.0)
@@ -151,7 +153,8 @@ def dropped_frames(motion: Motion, rng: Rng) -> Damaged:
 
 def jitter(motion: Motion, rng: Rng) -> Damaged:
     """Noise on the position of the root and on the rotations of all twenty joints."""
-    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    rotations = motion.rotations.copy()
+    translations = motion.translations.copy()
     for joint in find_joints(motion.skeleton):
         noise = Rotation.from_rotvec(JITTER * rng.normal(size=(len(motion), 3)))
         rotations[:, joint] = (Rotation.from_quat(rotations[:, joint]) * noise).as_quat()
@@ -162,7 +165,8 @@ def jitter(motion: Motion, rng: Rng) -> Damaged:
 
 def jitter_of_some(motion: Motion, rng: Rng) -> Damaged:
     """Noise on the quaternions of random joints, of both legs or of one leg, for 1 to 2 s."""
-    frames, rig = stretch(motion, rng.uniform(*LONG), rng), find_joints(motion.skeleton)
+    frames = stretch(motion, rng.uniform(*LONG), rng)
+    rig = find_joints(motion.skeleton)
     left, right = ([JOINTS.index(name) for name in LIMBS[f"{s}_leg"]] for s in ("left", "right"))
     some = rng.permutation(len(JOINTS))[: rng.integers(1, len(JOINTS) + 1)].tolist()
     chosen = [some, left + right, left, right][rng.choice(4, p=[0.4, 0.3, 0.15, 0.15])]
@@ -175,47 +179,12 @@ def jitter_of_some(motion: Motion, rng: Rng) -> Damaged:
     return _rotated(motion, rotations, frames)
 
 
-def over_smoothed(motion: Motion, rng: Rng) -> Damaged:
-    """All rotations are smoothed too much for 1 to 2 s."""
-    frames, sigma = stretch(motion, rng.uniform(*LONG), rng), SMOOTHED * motion.rate
-    smooth = filter_motion(motion, lambda x: gaussian_filter1d(x, sigma, axis=0, mode="nearest"))
-    rotations = motion.rotations.copy()
-    rotations[frames] = smooth.rotations[frames]
-    return _rotated(motion, rotations, frames)
-
-
-def sliding(motion: Motion, rng: Rng) -> Damaged:
-    """The steps of the body over the floor are longer by up to a tenth for 1 to 2 s."""
-    frames = stretch(motion, rng.uniform(*LONG), rng)
-    hips = body_positions(motion)[:, 0]
-    steps = np.diff(hips, axis=0, prepend=hips[:1])[frames]
-    return _moved(motion, LONGER * rng.random((len(steps), 1)) * steps, frames)
-
-
-def drift(motion: Motion, rng: Rng) -> Damaged:
-    """The body drifts over the floor for 1 to 2 s, about in one direction."""
-    frames = stretch(motion, rng.uniform(*LONG), rng)
-    count = frames.stop - frames.start
-    direction = rng.normal(size=(1, 3)) + 0.1 * rng.normal(size=(count, 3))
-    direction /= np.linalg.norm(direction[:, [0, 2]]) * np.sqrt(20 / motion.rate)
-    return _moved(motion, FASTEST / motion.rate * rng.random((count, 1)) * direction, frames)
-
-
 def _rotated(motion: Motion, rotations: np.ndarray, frames: slice) -> Damaged:
     """The motion with other rotations in a stretch, where the joints that move are damaged."""
     damaged = replace(motion, rotations=rotations)
     off = np.linalg.norm(body_positions(damaged) - body_positions(motion), axis=-1)
     wrong = [name for name, of in zip(JOINTS, off.T, strict=True) if of[frames].max() > WRONG]
     return damaged, joint_mask(len(motion), wrong, frames)
-
-
-def _moved(motion: Motion, steps: np.ndarray, frames: slice) -> Damaged:
-    """The motion with additional steps (N, 3) over the floor in a stretch."""
-    translations = motion.translations.copy()
-    shift = np.zeros((len(motion), 2))
-    shift[frames] = steps[:, [0, 2]]
-    translations[:, 0, [0, 2]] += shift.cumsum(axis=0)
-    return replace(motion, translations=translations), joint_mask(len(motion), JOINTS, frames)
 
 
 DAMAGES: dict[str, Callable[[Motion, Rng], Damaged]] = {
@@ -227,8 +196,5 @@ DAMAGES: dict[str, Callable[[Motion, Rng], Damaged]] = {
     "dropped frames": dropped_frames,
     "jitter": jitter,
     "jitter of some joints": jitter_of_some,
-    "over-smoothed": over_smoothed,
-    "sliding": sliding,
-    "drift": drift,
 }
 """Kind of damage to the function that makes it."""

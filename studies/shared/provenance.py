@@ -12,7 +12,8 @@ from studies.shared.options import OPTIONS, Inputs, parameters
 
 def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:
     """Data, test takes, model, the options of the study's own, seed, versions."""
-    made, args = vars(inputs), inputs.args
+    made = vars(inputs)
+    args = inputs.args
     given: dict[str, object] = {}
     if getattr(args, "data", None):
         given["data"] = ", ".join(folder.name for folder in args.data)
@@ -24,7 +25,7 @@ def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:
     for name in parameters(run):
         if name == "manifold":
             given |= _of_model(inputs.manifold.settings, args.model.name if args.model else "")
-        elif name in ("schedule", "network") or name not in OPTIONS:
+        elif name not in OPTIONS:
             given[name] = made.get(name, getattr(args, name, None))
     if "seed" in parameters(run):
         given["seed"] = args.seed
@@ -37,15 +38,10 @@ def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:
 
 def _of_model(settings: dict, name: str) -> dict[str, str]:
     """What a model records of its training."""
-    stages = []
-    for stage, words in (("layer", "layer by layer"), ("fine_tuning", "all layers at once")):
-        if (by := settings.get("schedule", {}).get(stage)) and by["epochs"]:
-            how = f"{by['epochs']} epochs in batches of {by['batch']}, by {by['optimiser']}"
-            stages.append(f"{words}: {how} with a rate of {by['rate']:g}")
     takes, windows, length, seed = map(settings.get, ("takes", "windows", "window", "seed"))
     learned = f"learned from {takes} takes, {windows} windows of {length} frames, seed {seed}"
     return {
         "model": f"{name or 'starter model'}, {learned}",
         "learned from": ", ".join(folder["name"] for folder in settings.get("folders") or ()),
-        "training": "; ".join(stages),
+        "training": str(settings.get("schedule", "")),
     }

@@ -2,10 +2,9 @@
 
 import base64
 import io
-import json
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -18,9 +17,6 @@ from studies.shared.result import Claim, Picture, Result
 
 HERE = Path(__file__).parent
 _PAGE = Template((HERE / "page.html").read_text(encoding="utf-8"))
-
-_LEGEND = json.loads((HERE / "legend.json").read_text(encoding="utf-8"))
-"""Part of a method's name to its meaning."""
 
 
 def text(result: Result) -> str:
@@ -91,7 +87,6 @@ def page(results: Mapping[str, Result]) -> str:
             f'<li><a href="#{name}">{escape(result.title)}</a> {_counts(result)}</li>'
             for name, result in results.items()
         ),
-        legend=_definitions(legend_of(results.values())),
         sections="\n".join(
             f'<section id="{name}">\n{section(result)}\n</section>'
             for name, result in results.items()
@@ -173,12 +168,3 @@ def _table(table: Table) -> str:
     lines = "\n".join(row(place, cells, "td") for place, cells in enumerate(table.cells()))
     html = f"<table>\n<thead>{head}</thead>\n<tbody>\n{lines}\n</tbody></table>"
     return f'{_paragraph(table.caption)}<div class="wide" tabindex="0">{html}</div>'
-
-
-def legend_of(results: Iterable[Result]) -> dict[str, str]:
-    """The meanings of those names that the first columns of the results' tables contain."""
-    rows = [row for result in results for table in result.tables for row in table.rows]
-    names = {str(row[0]) for row in rows}
-    return {
-        part: meaning for part, meaning in _LEGEND.items() if any(part in name for name in names)
-    }

@@ -74,7 +74,8 @@ class ValidityMeasure:
     def __init__(self, real: Sequence[np.ndarray], lengths: np.ndarray, rate: float):
         from scipy.spatial import cKDTree  # slow to import, and seldom used
 
-        self.lengths, self.rate = lengths, rate
+        self.lengths = lengths
+        self.rate = rate
         poses = np.concatenate(list(real)).astype(np.float64)[:, POSITIONS]
         self._tree = cKDTree(poses[:: -(-len(poses) // MAX_POSES)])
 

@@ -15,15 +15,23 @@ from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.trial import try_property
 
+
+def with_attribute(model, name, value):
+    setattr(model, name, value)
+    return model
+
+
 OWN = [name for name in EXERCISES if name not in OPERATIONS]  # tests/verify tries the operations
 OF_PACKAGE = {
     "encode_layer": lambda x, *of: ConvLayer(*of, 0.9).encode_with_pullback(x)[0],
     "decode_layer": lambda y, *of: ConvLayer(*of).decode_with_pullback(y)[0],
-    "layer_loss": lambda x, corrupted, w, b, first, alpha, bound: ConvAutoencoder.from_layers(
-        [ConvLayer(w, b, bound)]
+    "layer_loss": lambda x, corrupted, w, b, first, alpha, bound: with_attribute(
+        ConvAutoencoder(1, (1,), 1), "layers", [ConvLayer(w, b, bound)]
     ).loss_and_gradients(x, corrupted, alpha, [first])[0],
     "regularised_loss": lambda weights, *given: (
-        SequentialAutoencoder.from_weights(weights).loss_and_gradients(*given)[0].total
+        with_attribute(SequentialAutoencoder(1, 1, 1), "weights", weights)
+        .loss_and_gradients(*given)[0]
+        .total
     ),
 }
 

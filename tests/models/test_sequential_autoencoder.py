@@ -1,5 +1,7 @@
 """jang2018's network: the gradients of its whole loss, and the conventions of its decoder."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -32,8 +34,8 @@ def check_whole_loss(model, rng, *material):
     names = list(model.weights)
 
     def loss(*arrays):
-        weights = dict(zip(names, arrays, strict=True))
-        given = SequentialAutoencoder.from_weights(weights, model.burn_in)
+        given = copy(model)
+        given.weights = dict(zip(names, arrays, strict=True))
         value, gradients = given.loss_and_gradients(*material)
         assert list(gradients) == names
         return np.float64(value.total), lambda up: tuple(up * gradients[name] for name in names)
@@ -75,7 +77,8 @@ def test_the_last_frame_of_a_clip_is_written_first_after_the_burn_in():
     """Of ten frames from z, the last five are the five frames from z; a burn-in leaves some out."""
     model, z = drawn_model(np.random.default_rng(9)), np.random.default_rng(10).normal(size=(2, 2))
     np.testing.assert_allclose(model.decode(z, 10)[:, 5:], model.decode(z, 5), atol=1e-12)
-    other = SequentialAutoencoder.from_weights(model.weights, burn_in=3)
+    other = copy(model)
+    other.burn_in = 3
     np.testing.assert_array_equal(other.decode(z, 7), model.decode(z, 10)[:, :7])
 
 

@@ -51,7 +51,6 @@ def test_a_method_never_receives_hidden_values(read):
         return np.zeros((len(take), 7))
 
     read.test_values(fill, GROUPS["leg"])
-    read.left_out(lambda takes, columns: [fill], GROUPS["leg"])
 
 
 def test_the_residual_before_the_hole_is_carried_into_it():
@@ -75,11 +74,10 @@ def test_the_network_is_trained_and_measured(table, monkeypatch):
     monkeypatch.setattr(networks, "STEPS", 2)
     monkeypatch.setattr(cmu35, "SEEDS", 2)
     result = cmu35.run([table])
-    published, test, left_out = result.tables
+    published, test = result.tables
     assert len(result.claims) == 5 and len(published.rows) == 9
     names = [row[0] for row in test.rows]
     assert names[-1] == cmu35.NETWORK and all("±" in cell for cell in test.rows[-1][2:])
-    assert len(left_out.rows) == len(names)
     assert png(result.figures["cmu35"])
 
 

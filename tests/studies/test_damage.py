@@ -9,7 +9,7 @@ from data_synth import make_take
 from numpy_cae.mocap import body_of, body_positions
 from numpy_cae.motion import JOINTS
 from studies import damage
-from studies.shared.damages import DAMAGES, WRONG
+from studies.shared.damages import DAMAGES
 from studies.shared.material import LabelledTake
 
 
@@ -24,9 +24,7 @@ def test_damage_is_where_its_mask_says(take, kind):
     assert mask.shape == (len(take), 20) and mask.any()
     off = np.linalg.norm(body_positions(damaged) - body_positions(take), axis=-1)
     assert off[mask].mean() > 0.01
-    if kind in ("sliding", "drift"):  # the body stays where it has moved to
-        mask[mask.any(axis=1).argmax() :] = True
-    np.testing.assert_allclose(off[~mask], 0, atol=WRONG if kind == "over-smoothed" else 1e-6)
+    np.testing.assert_allclose(off[~mask], 0, atol=1e-6)
 
 
 def test_a_wrist_that_is_frozen_in_the_world_rests_where_the_arm_reaches(take):
@@ -55,12 +53,11 @@ def test_fillings_and_filters_keep_what_they_should(take, small_manifold):
         np.testing.assert_allclose(made.positions(), still.positions(), atol=1e-6)
 
 
-def test_claims_compare_with_the_best_filter_and_the_best_curve(result_of):
+def test_claims_compare_with_the_best_curve(result_of):
     result = result_of("damage")
-    errors, found, ratios = result.tables[0], result.tables[3], result.tables[-1]
-    filtered = [row[7] for row in errors.rows if row[0] in damage.FILTERS]
+    found, ratios = result.tables[3], result.tables[-1]
     shares = [value for row in found.rows for value in row[1:] if value is not None]
     assert found.value(damage.RECALL, "twisted leg") > 0 and 0 <= min(shares) <= max(shares) <= 100
-    (claim,) = (claim for claim in result.claims if claim.key == "jitter_smoothed")
-    assert claim.confirmed == (errors.value(damage.UNKNOWN, "jitter") <= min(filtered))
+    (claim,) = result.claims
+    assert claim.confirmed == all(row[-1] <= damage.PARTS["wrist"][1] for row in ratios.rows)
     assert all(row[-1] == max(row[1:-1]) for row in ratios.rows)
