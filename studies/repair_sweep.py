@@ -22,9 +22,9 @@ from numpy_cae.evaluation.half_removed import (
     GAUSSIAN,
     LINEAR,
     NETWORK,
-    PCHIP,
     SIMPLE,
     SIMPLE_WITH_MASK,
+    SPLINE,
     P,
     Repairs,
 )
@@ -51,7 +51,7 @@ PS = (0.1, 0.3, P, 0.7, 0.9)
 WINDOWS = 60
 """WINDOWS: at most this many windows are repaired, since the Gaussian takes a tenth of a second for
 each."""
-MOVING = {NETWORK: PLAIN, PCHIP: CORRUPTED, GAUSSIAN: OTHERS[0], COMPLETED: PROJECTED}
+MOVING = {NETWORK: PLAIN, SPLINE: CORRUPTED, GAUSSIAN: OTHERS[0], COMPLETED: PROJECTED}
 STEP = 2
 """STEP: every second frame moves in the picture of the completions."""
 Errors = dict[str, np.ndarray]
@@ -122,7 +122,7 @@ def _claims(at: dict[str, float]) -> list[Claim]:
 def _figure(errors: Errors):
     """Error over p; labels with "mask:" are of methods that are given which values are missing."""
     colours = {DAMAGED: CORRUPTED, NETWORK: PROJECTED, LINEAR: PLAIN, COMPLETED: PROJECTED}
-    colours |= dict(zip((GAUSSIAN, PCHIP), OTHERS, strict=False))
+    colours |= dict(zip((GAUSSIAN, SPLINE), OTHERS, strict=False))
     curves = [
         Curve(PS, errors[name].mean(axis=1), name, colour, ":" if name == COMPLETED else "-")
         for name, colour in colours.items()

@@ -7,9 +7,10 @@ The zeros show which values were removed. The first methods are given the zeros 
 the paper; the last ones, whose rows begin with "mask:", are given which values are missing.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+from scipy.interpolate import pchip_interpolate
 
 from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.evaluation.gaussian import Gaussian, filtered
@@ -30,10 +31,11 @@ LINEAR = "linear map of 15 frames"
 NETWORK = "the network"
 LINES = "mask: linear interpolation"
 PCHIP = "mask: monotone cubic (PCHIP)"
+SPLINE = "mask: cubic spline, limited over wide gaps"
 GAUSSIAN = "mask: Gaussian of 15 frames"
 COMPLETED = "mask: completed by the manifold"
 SIMPLE = (PRINCIPAL, LINEAR)
-SIMPLE_WITH_MASK = (LINES, PCHIP, GAUSSIAN)
+SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, GAUSSIAN)
 """SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
 HEADER = ("method", "reconstruction", "half removed", "share")
 NOTE = (
@@ -90,18 +92,29 @@ class Repairs:
         for name, shifts in ((NETWORK, False), (f"{NETWORK}, averaged over shifts", True)):
             yield name, *(self.manifold.project_windows(each, shifts) for each in (x, damaged))
         known = damaged != 0
-        yield LINES, x, lines(damaged, known)
-        yield PCHIP, x, interpolated(damaged, known)
+        yield LINES, x, by_column(damaged, known, np.interp)
+        yield PCHIP, x, by_column(damaged, known, _pchip)
+        yield SPLINE, x, interpolated(damaged, known)
         yield GAUSSIAN, x, self.gaussian.complete(damaged, known)
         yield COMPLETED, x, self.manifold.complete_windows(damaged, known)
 
 
-def lines(x: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Windows (N, T, C) interpolated linearly over time, each column by itself; before the first
-    and after the last known value this value is repeated, and a column without one is zero."""
+def by_column(
+    x: np.ndarray,
+    known: np.ndarray,
+    curve: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Windows (N, T, C) interpolated over time by curve(frames, known frames, known values), each
+    column by itself; before the first and after the last known value this value is repeated, and a
+    column without one is zero."""
     filled = np.zeros_like(x)
     frames = np.arange(x.shape[1])
     for window, column in np.argwhere(known.any(axis=1)):
         keys = np.flatnonzero(known[window, :, column])
-        filled[window, :, column] = np.interp(frames, keys, x[window, keys, column])
+        inside = frames.clip(keys[0], keys[-1])
+        filled[window, :, column] = curve(inside, keys, x[window, keys, column])
     return filled
+
+
+def _pchip(frames: np.ndarray, keys: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return pchip_interpolate(keys, values, frames) if len(keys) > 1 else values

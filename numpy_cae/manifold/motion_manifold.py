@@ -174,8 +174,9 @@ class MotionManifold:
 
             X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
 
-        in normalised features. P is the projection, and I is PCHIP over time, each feature by
-        itself; before the first and after the last known value this value is repeated. The
+        in normalised features. P is the projection, and I is a cubic spline over time, each
+        feature by itself (`training.interpolation.interpolated` has its equation); before the first
+        and after the last known value this value is repeated. The
         iteration ends with X_4, or with the first X_{n+1} for which
         ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more step, in which the projection is
         averaged over all shifts of the pooling grid, as `project` has it. Memory is that of a

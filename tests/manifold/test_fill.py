@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from data_synth import make_take
 from numpy_cae.manifold import fill, keyframe_mask
@@ -49,8 +49,14 @@ def plainly_completed(manifold, features, known):
         for column in np.flatnonzero(known.any(axis=0)):
             keys = frame[known[:, column]]
             there = values[keys, column]
-            pchip = PchipInterpolator(keys, there) if len(keys) > 1 else lambda _, x=there[0]: x
-            filled[:, column] = pchip(np.clip(frame, keys[0], keys[-1]))
+            filled[:, column] = there[0]
+            if len(keys) > 1:
+                slopes = CubicSpline(keys, there, bc_type="natural")(keys, 1)
+                for n, (gap, rise) in enumerate(zip(np.diff(keys), np.diff(there), strict=True)):
+                    if gap > 12:
+                        slopes[n : n + 2] = slopes[n : n + 2].clip(*sorted((0, 3 * rise / gap)))
+                spline = CubicHermiteSpline(keys, there, slopes)
+                filled[:, column] = spline(np.clip(frame, keys[0], keys[-1]))
         return filled
 
     x = (features - manifold.mean_pose) * manifold.scale
