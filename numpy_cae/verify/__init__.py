@@ -8,8 +8,7 @@ and `numpy-cae verify student.py` a file, in a process of its own.
 """
 
 from numpy_cae.verify.adapters import of_cache, of_layer
-from numpy_cae.verify.checks.adjoint import check_adjoint
-from numpy_cae.verify.checks.gradients import check_gradients
+from numpy_cae.verify.checks.gradients import check_adjoint, check_gradients
 from numpy_cae.verify.grading.report import report
 from numpy_cae.verify.operations.catalogue import example, properties
 from numpy_cae.verify.operations.own_operation import operation_test, properties_of

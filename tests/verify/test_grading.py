@@ -31,7 +31,7 @@ def test_each_function_of_a_file_has_its_report(graded):
 def test_a_helper_that_shares_its_name_with_an_operation_is_not_tested(graded):
     helpers = """
 def gru_step(x, h):
-    return h
+    return h.data
 
 def helped(x):
     return gru_step(x, sigmoid(x))

@@ -4,11 +4,13 @@ import ast
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.operations.catalogue import CATALOGUE
 from numpy_cae.verify.operations.patch import BUGS, Patch, read_patches, right_operation
+from numpy_cae.verify.operations.property import GRADIENT
 from numpy_cae.verify.operations.trial import try_property
 
 FEW_CASES = 8
@@ -44,13 +46,29 @@ def test_mistakes_of_large_sizes_and_of_several_calls_are_caught(bug):
     assert not holds(CATALOGUE[bug.operation], bug.function())
 
 
-def test_the_right_operation_has_no_likely_mistake():
-    def wrong_in_its_own_way(x):
-        y, pullback = right_operation("tanh")(x)
-        return y, lambda dy: 1.7 * pullback(dy)
+@pytest.mark.parametrize(
+    ("name", "change", "sentence"),
+    [
+        ("mean_absolute", lambda x, y, dx: 1.7 * dx, ""),
+        ("mean_absolute", lambda x, y, dx: dx * len(y), "It is the right result times batch."),
+        ("tanh", lambda x, y, dx: dx.astype(np.float32), "Digits are lost: "),
+        (
+            "unpool_even",
+            lambda x, y, dx: dx * (y.shape[1] % 2),
+            "It fails only where frames is ev",
+        ),
+        ("mean_absolute", lambda x, y, dx: dx / y.all(), "It fails only where y has a 0"),
+    ],
+)
+def test_what_is_wrong_in_its_own_way_has_no_bug_but_what_was_seen(name, change, sentence):
+    def wrong(y):
+        x, pullback = right_operation(name)(y)
+        return x, lambda dx: change(x, y, pullback(dx))
 
-    outcome = try_property(property_of("tanh", "gradient for x"), wrong_in_its_own_way)
-    assert not outcome.held and outcome.mistake == ""
+    (tried,) = (each for each in CATALOGUE[name].properties if each.group == GRADIENT)
+    outcome = try_property(tried, wrong)
+    assert not outcome.held and outcome.mistake.startswith(sentence)
+    assert bool(outcome.mistake) == bool(sentence)
 
 
 def test_a_patch_that_does_not_fit_the_source_fails_loudly():

@@ -1,6 +1,7 @@
 """What a check raises: an error whose message is for people, and whose fields are for programs."""
 
 import traceback
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +18,7 @@ REPEATED = "repeated"
 STATE = "state"
 
 
+@dataclass(eq=False)
 class Mismatch(AssertionError):
     """A result that is not as expected: `kind` is one of the constants above.
 
@@ -24,19 +26,14 @@ class Mismatch(AssertionError):
     where there are any.
     """
 
-    def __init__(
-        self,
-        kind: str,
-        subject: str,
-        message: str,
-        result: np.ndarray | None = None,
-        expected: np.ndarray | None = None,
-    ) -> None:
-        super().__init__(message)
-        self.kind = kind
-        self.subject = subject
-        self.result = result
-        self.expected = expected
+    kind: str
+    subject: str
+    message: str
+    result: np.ndarray | None = None
+    expected: np.ndarray | None = None
+
+    def __str__(self) -> str:
+        return self.message
 
 
 def what_failed(error: BaseException) -> tuple[str, str]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from numpy_cae.verify.grading.report import WIDTH, Report, readable, report_of
+from numpy_cae.verify.grading.report import UNSOLVED, WIDTH, Report, readable, report_of
 from numpy_cae.verify.grading.sandbox.process import run
 from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import catalogue as operations
@@ -168,5 +168,7 @@ def _graded(
 
 
 def _is_helper(report: Report, submission: Submission) -> bool:
-    """Whether a function has an operation's name, but other arguments or results."""
-    return report.outcomes[0].kind == TypeError.__name__ and submission.calls(report.called)
+    """Whether others call a function with an operation's name that answers in no case."""
+    first, *others = report.outcomes
+    answers = first.kind in ("", UNSOLVED) or any(one.held or one.problem for one in others)
+    return not answers and submission.calls(report.called)

@@ -20,8 +20,8 @@ SEEDS_TRIED = 3
 """SEEDS_TRIED: seeds below this number are tried to make a counterexample simpler."""
 LARGE = 16
 """LARGE: a size above this occurs in one case of a property only, together with small sizes."""
-BELOW_POWERS = (7, 14, 15)
-"""BELOW_POWERS: numbers of frames one or two below a power of two, each tried with several taps."""
+FEWEST_FRAMES = 7
+"""FEWEST_FRAMES: so many frames, if they are at most two below a power of two, get several taps."""
 SEVERAL_TAPS = 5
 """SEVERAL_TAPS: at least so many taps are several."""
 VERY_LARGE = 100
@@ -108,9 +108,7 @@ VALUES: dict[str, Callable[..., np.ndarray]] = {
     "wide": lambda rng, shape, reach: spread(rng, shape, reach) * 10 ** rng.uniform(-9, 2.5, shape),
     "constant": lambda rng, shape, reach: np.full(shape, rng.uniform(-reach, reach)),
     "identity": _identity,
-    "a slice of zeros": _along_an_axis(
-        lambda array, rng: np.insert(array[1:], rng.integers(len(array)), 0, 0)
-    ),
+    "a slice of zeros": _along_an_axis(lambda a, rng: np.insert(a[1:], rng.integers(len(a)), 0, 0)),
     "repeated slices": _along_an_axis(lambda array, rng: array[np.arange(len(array)) // 2]),
     "equal slices": _along_an_axis(lambda array, rng: array[np.zeros(len(array), int)]),
     "symmetric": _along_an_axis(lambda array, rng: (array + array[::-1]) / 2),
@@ -199,13 +197,14 @@ def _mixed_rows(
 def _further_rows(sizes: Sizes, together: Sequence[Mapping]) -> Iterator[dict]:
     """Rows in which what is not named here is as simple as it may be.
 
-    These are frames just below a power of two with several taps, where a short FFT wraps around;
-    each very large size beside one of the two simplest of all others; and all last sizes.
+    These are frames at or just below a power of two with several taps, where a short FFT wraps
+    around; each very large size beside one of the two simplest of all others; and all last sizes.
     """
     first = {name: options[0] for name, options in sizes.items()}
     numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
-    for frames, taps in product(BELOW_POWERS, sizes.get("taps", ())):
-        if frames in sizes.get("frames", ()) and SEVERAL_TAPS <= taps <= LARGE:
+    for frames, taps in product(sizes.get("frames", ()), sizes.get("taps", ())):
+        below = (1 << (frames - 1).bit_length()) - frames  # the next power of two
+        if frames >= FEWEST_FRAMES and below <= 2 and SEVERAL_TAPS <= taps <= LARGE:
             yield first | {"frames": frames, "taps": taps}
     large = [(size, option) for size in numbers for option in numbers[size] if option > VERY_LARGE]
     for number, (size, option) in enumerate(large):

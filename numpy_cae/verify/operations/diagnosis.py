@@ -2,15 +2,18 @@
 
 The implementation, the right operation, each planted bug and each other convention are tried with
 the cases of the property. A mistake is named only if the wrong operation does in every case what
-the implementation does, and the right operation in several cases does not.
+the implementation does, and the right operation in several cases does not. Otherwise the sentence
+says what was seen: a factor, lost digits, or what the cases that fail have in common.
 """
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import zip_longest
+from itertools import permutations, zip_longest
 
 import numpy as np
 
+from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.patch import bugs_of, conventions_of
 from numpy_cae.verify.operations.property import Property, compared, property_of
@@ -19,6 +22,10 @@ SEVERAL = 2
 """SEVERAL: a mistake is named only if the right operation differs in at least so many cases."""
 GENERAL_CASES = 8
 """GENERAL_CASES: two mistakes that explain the same are compared in so many further cases."""
+DIGITS = 1e-5
+"""DIGITS: results lose digits only if they are off by less than this part of the largest entry."""
+MOST = 0.6
+"""MOST: a circumstance is named if at least so large a part of its cases fail, and no others."""
 
 
 def likely_mistake(stated: Property, implementation: Callable) -> str:
@@ -28,8 +35,18 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     operation = stated.definition
     if operation is None:
         return ""
-    mistake = _known_mistake(stated, operation, implementation)
-    return mistake or misplaced_gradient(stated, operation, implementation)
+    cases = [case for case in stated.cases() if case.get("layout") != "read-only"]
+    results = [stated.check.results(implementation, case) for case in cases]
+    right = [stated.check.results(operation.reference, case) for case in cases]
+    fails = [not same(one, other) for one, other in zip(results, right, strict=True)]
+    if sum(fails) < SEVERAL:
+        return ""
+    return (
+        _known_mistake(stated, operation, implementation, cases, results)
+        or misplaced_gradient(stated, operation, implementation)
+        or _by_how_much(cases, results, right)
+        or _where(stated, cases, fails, right)
+    )
 
 
 def misplaced_gradient(stated: Property, operation: Operation, implementation: Callable) -> str:
@@ -70,20 +87,69 @@ def _holds(stated: Property, implementation: Callable) -> bool:
     return True
 
 
-def _known_mistake(stated: Property, operation: Operation, implementation: Callable) -> str:
+def _known_mistake(
+    stated: Property, operation: Operation, implementation: Callable, cases: list, results: list
+) -> str:
     """The sentence on the planted bug that does the same, or ""."""
-    cases = [case for case in stated.cases() if case.get("layout") != "read-only"]
-    results = [stated.check.results(implementation, case) for case in cases]
-    right = [stated.check.results(operation.reference, case) for case in cases]
-    if sum(not same(one, other) for one, other in zip(results, right, strict=True)) < SEVERAL:
-        return ""
-    explained = {}
+    explained = {"": -1}
     for sentence, wrong in _wrong_operations(operation.name):
         pairs = zip(results, cases, strict=True)
         if all(same(one, stated.check.results(wrong, case)) for one, case in pairs):
             explained[sentence] = _shared_effects(operation, implementation, wrong)
-    best = max(explained, key=explained.__getitem__, default="")
-    return best if best and explained[best] >= 0 else ""
+    return max(explained, key=explained.__getitem__)
+
+
+def _by_how_much(cases: Sequence[Case], results: list, right: list) -> str:
+    """The factor by which all results are off, made of sizes, or the digits that are lost."""
+    if any(part.dtype.kind != "f" for parts in results for part in parts):  # it raises
+        return ""
+    pairs = [(_row(one), _row(other)) for one, other in zip(results, right, strict=True)]
+    if any(one.shape != other.shape for one, other in pairs):
+        return ""
+    sizes = [{"1": 1, "-1": -1, "2": 2} | _numbers(case) for case in cases]
+    for above, below in permutations(sizes[0], 2):
+        scaled = [b * each[above] / each[below] for each, (_, b) in zip(sizes, pairs, strict=True)]
+        if all(np.allclose(a, b, 1e-9, 1e-12) for (a, _), b in zip(pairs, scaled, strict=True)):
+            return f"It is the right result times {f'{above} / {below}'.removesuffix(' / 1')}."
+    off = np.max([np.max(abs(a - b), initial=0) / np.max(abs(b), initial=1) for a, b in pairs])
+    return f"Digits are lost: it is off by at most {off:.0e}, relatively." * bool(off < DIGITS)
+
+
+def _where(stated: Property, cases: Sequence[Case], fails: list[bool], right: list) -> str:
+    """What all cases that fail have in common, and most that hold have not, or ""."""
+    tried = [i for i, result in enumerate(right) if np.any(_row(result)) or fails[i]]
+    conditions = [_conditions(stated, cases[i]) for i in tried]
+    failed = [each for each, i in zip(conditions, tried, strict=True) if fails[i]]
+    counts = Counter(name for each in conditions for name in each)
+    shared = sorted(set.intersection(*failed))
+    apart = [name for name in shared if len(tried) - counts[name] >= SEVERAL]
+    best = min(apart, key=counts.__getitem__, default="")
+    most = 1 if best.endswith(("odd", "even")) else MOST
+    is_clear = best and len(failed) >= most * counts[best]
+    return f"It fails only where {best}: in {len(failed)} of {counts[best]} cases." * bool(is_clear)
+
+
+def _conditions(stated: Property, case: Case) -> set[str]:
+    """What is true of the sizes, the classes and the arguments of a case."""
+    numbers = _numbers(case)
+    true = {f"{name} is {o}" for name, o in case.sizes if o == 1 or isinstance(o, str)}
+    for name, size in numbers.items():
+        true |= {f"{name} is {'odd' if size % 2 else 'even'}"}
+        true |= {f"{name} is above {option}" for option in stated.sizes[name] if size > option}
+        true |= {f"{name} is below {other}" for other in numbers if size < numbers[other]}
+        true |= {f"{name} is as large as {o}" for o in numbers if o > name and size == numbers[o]}
+    for name, array in stated.arguments(case).items():
+        true |= {f"{name} is not 0"} if np.any(array) else set()
+        true |= {f"{name} has a 0"} if not np.all(array) else set()
+    return true
+
+
+def _row(parts: Sequence[np.ndarray]) -> np.ndarray:
+    return np.concatenate([np.zeros(0), *map(np.ravel, parts)])
+
+
+def _numbers(case: Case) -> dict[str, int]:
+    return {name: size for name, size in case.sizes if isinstance(size, int)}
 
 
 def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:

@@ -95,12 +95,13 @@ CHAOTIC = 34
 
 
 def arguments_of(
-    shapes: Mapping[str, str], values: Mapping[str, Values]
+    shapes: Mapping[str, str], values: Mapping[str, Values], dtype: type = np.float64
 ) -> Callable[[Case], dict[str, object]]:
     """Arguments whose shapes are sizes, such as w="taps channels filters".
 
     A size may be a number, a product or sum such as 2*frames or in+out, or "...", which is any
     number of axes. Numbers outside of the range that `values` states are replaced by its ends.
+    Floats have the dtype.
     """
     leading = leading_axes(shapes)
 
@@ -118,7 +119,8 @@ def arguments_of(
                 low, high = wanted
                 steps = np.clip(arrays[name], -2, 2)
                 arrays[name] = np.clip((low + high) / 2 + (high - low) / 4 * steps, low, high)
-        return arrays
+        floats = {n: a.astype(dtype, copy=False) for n, a in arrays.items() if a.dtype.kind == "f"}
+        return arrays | floats
 
     return arguments
 
@@ -226,9 +228,8 @@ def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) ->
     return (member / member.sum(axis=1, keepdims=True)) @ gradient
 
 
-_MASKED = dict.fromkeys(("y", "first"), "batch frames channels")
 _DRAWN = {
-    "unpool_random": arguments_of(_MASKED, {"first": _mask}),
+    "unpool_random": arguments_of(TABLE["operations"]["unpool_random"]["shapes"], {"first": _mask}),
     "arctanh": _arctanh,
     "gru_step": _gru,
     "gru": _gru,
@@ -241,7 +242,6 @@ _DRAWN = {
 def _operation(name: str, row: Mapping) -> Operation:
     """The operation that a row of the table describes."""
     arguments = _DRAWN.get(name) or arguments_of(row["shapes"], {})
-    without_ties = row.get("without_ties")
     alike = {"alike": _mean_of_equal_points} if name == "sliced_wasserstein" else {}
     return Operation(
         name,
@@ -252,7 +252,7 @@ def _operation(name: str, row: Mapping) -> Operation:
         reference=getattr(ops, name, tied_layer),  # for the code of others; that of ops: by loops
         saturates=row.get("saturates", False),
         floor=row["floor"] * float(np.finfo(float).eps) if "floor" in row else None,
-        without_ties={"values": tuple(without_ties)} if without_ties else {},
+        without_ties=sizes_of(row.get("without_ties", {})),
         longer=LONG | sizes_of(row.get("longer", {})),
         **alike,
     )

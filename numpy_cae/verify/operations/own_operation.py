@@ -8,12 +8,12 @@ import numpy as np
 
 from numpy_cae.verify.checks.call import is_pair
 from numpy_cae.verify.operations import operation as drawing
-from numpy_cae.verify.operations.case import VALUES, Case
+from numpy_cae.verify.operations.case import VALUES
 from numpy_cae.verify.operations.operation import CLASSES, Operation, Values, names_in
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
-SIZES = (1, 2, 3, 4, 5, 7, 8, 15, 33)
+SIZES = (1, 2, 3, 4, 5, 7, 8, 15, 31, 32, 33, 62, 63, 64, 65)
 """SIZES: the numbers that a size is drawn from if the caller does not state them."""
 SIZE = re.compile(r"[^\W\d]\w*|\d+|(?:\w+[*+])+\w+")
 IN_USE = ("values", "of", "layout", "upstream", "axes", "state", "seed")
@@ -102,16 +102,16 @@ def properties_of(
     named = {*(sizes or ()), *(values or ()), *(differentiable or ())}
     _require_known(name, "shapes", named, known)
     values = {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
-    arguments = drawing.arguments_of(shapes, values)
-    if tuple(dtypes) == ("float32",):
-        arguments = _in_single(arguments)
+    is_single = tuple(dtypes) == ("float32",)
+    dtype = np.float32 if is_single else np.float64
+    arguments = drawing.arguments_of(shapes, values, dtype)
     every = drawing.with_each_array({**_drawn_sizes(shapes), **CLASSES, **(sizes or {})}, arguments)
     example = arguments(drawing.simplest_case(every))
     if differentiable is None:
         differentiable = [name for name, array in example.items() if array.dtype.kind == "f"]
     options = {"without_ties": SMOOTH, "saturates": True, "seeded_by": f"seed {seed}"}
     options["drawn_by_caller"] = tuple(x for x in values if callable(values[x]))
-    options["is_single"] = tuple(dtypes) == ("float32",)
+    options["is_single"] = is_single
     operation = Operation(name, every, arguments, tuple(differentiable), **options)
     if definition is not None:
         which = "reference" if is_pair(definition(*example.values())) else "definition"
@@ -151,16 +151,6 @@ def _drawn_sizes(shapes: Mapping[str, str]) -> dict[str, tuple]:
         is_alone = set(shapes.values()) == {"..."}
         drawn["axes"] = (3, 4, 2, 1) if is_alone else (2, *range(len(leading) + 1))
     return drawn
-
-
-def _in_single(arguments: Callable[[Case], dict]) -> Callable[[Case], dict]:
-    """Arguments as float32."""
-
-    def narrowed(case: Case) -> dict[str, object]:
-        made = arguments(case)
-        return {n: a.astype(np.float32) if a.dtype.kind == "f" else a for n, a in made.items()}
-
-    return narrowed
 
 
 def operation_test(

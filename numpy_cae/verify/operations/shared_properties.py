@@ -8,9 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from numpy_cae.verify.checks.adjoint import check_adjoint
 from numpy_cae.verify.checks.call import call_of_array
-from numpy_cae.verify.checks.gradients import TOGETHER, wrong_gradients
+from numpy_cae.verify.checks.gradients import TOGETHER, check_adjoint, wrong_gradients
 from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
 from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, THE_SAME, Case

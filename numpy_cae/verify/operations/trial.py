@@ -11,7 +11,7 @@ import numpy as np
 
 from numpy_cae.verify.checks import written as writing
 from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.checks.mismatch import STATE, Mismatch, what_failed
+from numpy_cae.verify.checks.mismatch import ALTERED, DTYPE, STATE, Mismatch, what_failed
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import LONGEST_TEXT, error_text, written
 from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
@@ -22,6 +22,10 @@ from numpy_cae.verify.operations.property import OVERWRITTEN, Outcome, Property
 WATCHED = 4
 """WATCHED: one case in so many is checked for changes of global state, which is slow."""
 ONE_ARRAY = "Results are kept in one array: what a call returns is overwritten by the next."
+C_ORDER = "Memory in another order is read as if it were in C order, as strides and reshape may do."
+OF_KIND = {ALTERED: "That array is written to, as by -= or out=: a new one is needed."}
+OF_KIND[DTYPE] = "An array in it has a dtype of its own, such as np.zeros(n), which is float64."
+"""OF_KIND: the likely mistake where the kind of a mismatch tells it."""
 UNSTEADY = "called again with the same arguments, it returns something else"
 MAX_SHRINKS = 150
 """MAX_SHRINKS: so many simpler cases are tried to find a smaller counterexample."""
@@ -81,8 +85,9 @@ def try_property(
         problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
     is_like_bugs = isinstance(error, AssertionError | ValueError | IndexError)
     mistake = likely_mistake(tried, implementation) if is_like_bugs else ""
-    if not mistake and subject.startswith(OVERWRITTEN):
-        mistake = ONE_ARRAY
+    if not mistake:
+        mistake = ONE_ARRAY if subject.startswith(OVERWRITTEN) else OF_KIND.get(kind, "")
+        mistake = mistake or C_ORDER * (tried.name == "strides" and not crashed)
     example = "\n".join(_described(tried, case, last, error))
     why = {"problem": problem, "counterexample": example, "mistake": mistake, "kind": kind}
     return replace(failed, **why, crashed=crashed)
@@ -122,7 +127,6 @@ def failing_case(
     begin: Callable[[Case], None] = lambda case: None,
 ) -> Case | None:
     """The first case in which a property does not hold, or None; its warnings become notes."""
-    notes = [] if notes is None else notes
     for case in tried.cases():
         begin(case)
         if failure(tried, implementation, case, notes) is not None:

@@ -38,7 +38,7 @@ def main() -> None:
 
 def reply_to(request: dict) -> dict:
     """What the file lacks, and for each function its outcomes or the reason why there are none."""
-    confinement.adopt_orphans()
+    confinement.set_process_option(confinement.PR_SET_CHILD_SUBREAPER, 1)
     return Grading(request).reply()
 
 

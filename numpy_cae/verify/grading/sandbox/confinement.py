@@ -21,6 +21,7 @@ OPEN_FILES = 64
 """OPEN_FILES: a process may have so many files open: removed ones take space that is not seen."""
 PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
+"""PR_SET_CHILD_SUBREAPER: a process is the parent of its descendants whose own parent has ended."""
 SHARED = ("sys", "warnings")
 """Modules that the interpreter itself looks into; a copy would change nothing."""
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -35,15 +36,10 @@ DO_THE_EXERCISE = (
 
 def end_with_parent() -> None:
     """Make this process end when its parent ends (Linux)."""
-    _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
+    set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def adopt_orphans() -> None:
-    """Make this process the parent of its descendants whose own parent has ended (Linux)."""
-    _set_process_option(PR_SET_CHILD_SUBREAPER, 1)
-
-
-def _set_process_option(option: int, value: int) -> None:
+def set_process_option(option: int, value: int) -> None:
     with suppress(OSError, AttributeError, TypeError):  # not Linux
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
