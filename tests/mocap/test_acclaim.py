@@ -25,7 +25,7 @@ def read_pair(tmp_path):
 
 def fixed(order: str, *angles: float) -> np.ndarray:
     """Rotations about fixed axes, the first letter's first."""
-    return Rotation.from_euler(order, angles, degrees=True).as_matrix()
+    return Rotation.from_euler(order, angles, degrees=True).as_matrix().reshape(3, 3)
 
 
 def test_positions_are_those_of_explicit_matrices(read_pair):
