@@ -2,7 +2,7 @@
 
 Commands are processes of their own: seconds of all their processors, start included, and the
 peak memory of the first process. Readers of the package index are timed if they are installed (`pip
-install pybvh bvhio bvhtoolbox`). A slope is that of a straight line through the larger sizes,
+install pybvh bvhio bvhtoolbox bvh`). A slope is that of a straight line through the larger sizes,
 logarithm of the time over logarithm of the size: 1 is linear.
 
     python -m studies costs -o costs
@@ -41,8 +41,8 @@ LARGE = 2
 """The slope is that of so many of the largest sizes."""
 TAKES, MINUTES = 280, 45.0
 """Takes that are learned from, the first of so many minutes of synthetic motion."""
-READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree"}
-"""Packages of the index and their functions; that of bvhtoolbox takes the text of a file."""
+READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree", "bvh": "Bvh"}
+"""Packages of the index and their functions; the last two take the text of a file."""
 PROGRAM = """
 import atexit, sys
 atexit.register(lambda: print(open("/proc/self/status").read(), file=sys.stderr))
@@ -113,7 +113,7 @@ def _readers(folder: Path) -> Iterator[list[object]]:
     readers: dict[str, Callable[[], object]] = {"numpy_cae": partial(load_motion, path)}
     for package, function in READERS.items():
         with suppress(ImportError):
-            given = path.read_text() if package == "bvhtoolbox" else str(path)
+            given = path.read_text() if package in ("bvhtoolbox", "bvh") else str(path)
             readers[package] = partial(getattr(import_module(package), function), given)
     for name, read in readers.items():
         yield [name, path.stat().st_size / 1e6 / _seconds(read)]
