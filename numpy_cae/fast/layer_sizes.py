@@ -77,10 +77,8 @@ def direct_cost(sizes: LayerSizes) -> float:
     decoder; encoding has one of T rows. A row has K C D multiplications. Each product reads or
     writes W and the rows of K C numbers.
     """
-    products = 1
-    rows = sizes.frames
-    if sizes.training:
-        products = 6
-        rows = 3 * (sizes.frames + sizes.frames // sizes.rate)
+    products = 6 if sizes.training else 1
+    trained = 3 * (sizes.frames + sizes.frames // sizes.rate)
+    rows = trained if sizes.training else sizes.frames
     row = sizes.taps * sizes.channels
     return rows * row * (sizes.filters + MEMORY) + products * row * sizes.filters * MEMORY
