@@ -78,7 +78,6 @@ def direct_cost(sizes: LayerSizes) -> float:
     writes W and the rows of K C numbers.
     """
     products = 6 if sizes.training else 1
-    trained = 3 * (sizes.frames + sizes.frames // sizes.rate)
-    rows = trained if sizes.training else sizes.frames
+    rows = 3 * (sizes.frames + sizes.frames // sizes.rate) if sizes.training else sizes.frames
     row = sizes.taps * sizes.channels
     return rows * row * (sizes.filters + MEMORY) + products * row * sizes.filters * MEMORY
