@@ -9,4 +9,8 @@ document.addEventListener("DOMContentLoaded", () => {
     const link = toggle.closest("li")?.querySelector("a");
     toggle.closest("summary").setAttribute("aria-label", `Pages of ${link?.textContent.trim() ?? "this section"}`);
   });
+  // A table that scrolls can be scrolled with the keyboard.
+  document.querySelectorAll(".bd-article-container table").forEach((table) => {
+    if (table.scrollWidth > table.clientWidth) table.tabIndex = 0;
+  });
 });
