@@ -6,7 +6,7 @@
 
 Each model is followed by a folder of motions of a source that the model did not learn from. In
 takes of the source, spread over the folder, holes of each kind and length are filled by every
-candidate of `numpy_cae.repair.trials`. The table that is written has the mean over the holes of
+candidate of `numpy_cae.repair.holes`. The table that is written has the mean over the holes of
 
     r_k = log e_k - log e_0
 
@@ -30,7 +30,7 @@ from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import JOINTS, RATE, Motion
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.key_curves import CURVES, Curve, mean_curve
-from numpy_cae.repair.trials import (
+from numpy_cae.repair.holes import (
     LEAST_METRES,
     POWERS,
     Trials,

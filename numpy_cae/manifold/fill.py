@@ -3,7 +3,7 @@
 `fill` has only features, without a rig, and is `MotionManifold.complete` for joints. `fill_motion`
 and `repair` have a motion in a rig: X_0 is the motion whose unknown rotations are on curves
 (`on_curves`), and `corrected` returns X_0 + s (X_N - X_0) for each joint and hole, by the same
-iteration (`manifold.complete`). `repair.trials` chooses the curves and s in the known frames of the
+iteration (`manifold.complete`). `repair.holes` chooses the curves and s in the known frames of the
 same motion. There the interpolation I is a curve with the speed of the motion at both ends of the
 hole. Arrays are at thirty frames a second, (F, …).
 """

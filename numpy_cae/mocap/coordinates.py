@@ -207,9 +207,7 @@ def with_unit_of_limbs(motion: RiggedMotion) -> RiggedMotion:
     if scale == 1:
         return motion
     return replace(
-        motion,
-        skeleton=motion.skeleton.scaled(scale),
-        translations=scale * motion.translations,
+        motion, skeleton=motion.skeleton.scaled(scale), translations=scale * motion.translations
     )
 
 

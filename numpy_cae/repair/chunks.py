@@ -20,11 +20,7 @@ def chunks(frames: np.ndarray, margin: int = 0) -> Iterator[tuple[np.ndarray, sl
 
 
 def changed_around(
-    motion: Motion,
-    frames: np.ndarray,
-    margin: int,
-    least: int,
-    change: Callable[[slice], Motion],
+    motion: Motion, frames: np.ndarray, margin: int, least: int, change: Callable[[slice], Motion]
 ) -> Motion:
     """The motion with `change` applied around some frames.
 

@@ -19,6 +19,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
@@ -156,6 +157,11 @@ def usual_body(motion: Motion) -> np.ndarray:
 
     What is judged by these metres is judged alike for characters of any size."""
     return body_positions(motion) / body_size(motion)
+
+
+def sliding(motion: Motion) -> float:
+    """How fast standing feet slide (`foot_sliding`), cm/s of a body of usual size."""
+    return foot_sliding(usual_body(motion), motion.rate)
 
 
 def levers_of(skeleton: Skeleton) -> np.ndarray:

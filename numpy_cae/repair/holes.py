@@ -1,10 +1,31 @@
-"""A motion with holes, as features that a network fills in, and back in its rig."""
+"""A motion with holes: as features that a network fills in, and back in its rig.
 
+Which curve, and how strong a correction, is best in this motion? Each hole, a run of frames in
+which joints are missing, is imitated in the known frames of its own motion, where the truth is
+known: the same joints are hidden in as many frames, and every candidate k fills them in. With e_ik
+the mean error of candidate k in trial i of I, for the joints of one kind (`fill.kinds_of_holes`),
+and r_k the mean of log e_k in holes of that kind and length of other sources
+(`fill_strengths.json`, which `python -m tools.fill_strengths` makes), the candidates' mean is
+
+    X = Σ_k w_k X_k,    w_k ∝ exp(-p l_k),    l_k = (Σ_i log e_ik + PRIOR r_k) / (I + PRIOR)
+
+So w_k falls with the p-th power of the error. The candidates are first the `CURVES` of the rig's
+rotations. Then, on their mean X_0, they are X_0 + s (X_N - X_0) for each s of `STRENGTHS`, with
+X_N the correction of `manifold.fill`; their mean has the strength s = Σ_k w_k s_k. A hole for which
+no trial fits into the file has the weights of other sources, I = 0.
+"""
+
+import json
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import cache
+from importlib.resources import files
+from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.manifold.fill import fill
+from numpy_cae.manifold.fill import corrected, fill, kinds_of_holes
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body, at_rate_of, body_of
 from numpy_cae.mocap.retarget.to_rig import retarget
@@ -17,7 +38,9 @@ from numpy_cae.motion.features import (
     positions_to_features,
 )
 from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
-from numpy_cae.motion.masks import at_thirty
+from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.key_curves import CURVES, Curve, eased, mean_curve
+from numpy_cae.motion.masks import at_thirty, run_numbers, runs
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.repair.finding import Finding
 from numpy_cae.repair.interpolated import interpolate_channels, missing_joints, on_curves
@@ -124,3 +147,215 @@ def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:
     after = np.minimum.accumulate(np.where(holes, np.inf, frame)[::-1], axis=0)[::-1]
     u = np.minimum(np.minimum(frame - before, after - frame) * (RATE / rate), 1.0)
     return u * u * (3 - 2 * u)
+
+
+STRENGTHS = np.linspace(0.0, 1.0, 5)
+"""STRENGTHS: these values of s of the module's equation are tried."""
+POWERS = {"curves": 8.0, "strengths": 16.0}
+"""POWERS: p of the module's equation, chosen on sources left out of training
+(docs/lab_book/filling.md)."""
+PRIOR = 2.0
+"""PRIOR: the number of trials that other sources count as, chosen in the same way."""
+NEAR_SECONDS = 5.0
+"""NEAR_SECONDS: trials are at most this far before and after a hole (s)."""
+MARGIN_SECONDS = 0.2
+"""MARGIN_SECONDS: a trial is at least this far from an unknown frame (s)."""
+APART_SECONDS = 0.5
+"""APART_SECONDS: two trials are at least this far apart (s), and as far as they are long."""
+MOST_HOLES = 40
+"""MOST_HOLES: the longest holes, so many of them, have trials; all others have the prior's weights.
+The trials of a hole take a tenth to half of a second."""
+LEAST_METRES = 2e-4
+"""LEAST_METRES: smaller errors (m) count as this."""
+
+
+class Trials(NamedTuple):
+    """Holes that are imitated in known frames.
+
+    Parameters
+    ----------
+    kinds : (frames, 20) array of str
+        The kinds of the joints that are hidden (`fill.kinds_of_holes`), else "".
+    starts : list of int
+        The first frame of each trial.
+    size : int
+        The frames of a trial.
+    """
+
+    kinds: np.ndarray
+    starts: list[int]
+    size: int
+
+
+def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[CurveAt, np.ndarray]:
+    """The curve of each hole, and the strength of the correction of each missing joint.
+
+    Parameters
+    ----------
+    manifold : MotionManifold
+    body : Body
+        The body of the motion.
+    missing : (frames, 20) array of bool
+        In the frames of the file.
+
+    Returns
+    -------
+    CurveAt, (F, 20) array of float
+        For a joint and a frame in which it is missing, the mean of `CURVES`; s of the module's
+        equation at thirty frames a second, 0 where nothing is missing.
+    """
+    motion = body.motion
+    source = motion.source_frames(RATE)
+    number = run_numbers(missing)
+    kinds = kinds_of_holes(missing)
+    kinds_at_rate = kinds_of_holes(at_thirty(motion, missing))
+    strength = np.zeros(kinds_at_rate.shape)
+    curves = dict[int, Curve]()
+    always = np.asarray(missing.all(axis=0))
+    holes = runs(np.asarray((missing & ~always).any(axis=1)))
+    longest_first = holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]
+    for rank, (first, end) in enumerate(longest_first.tolist()):
+        best = chosen_for(manifold, body, kinds, always, slice(first, end), rank < MOST_HOLES)
+        at_rate = slice(*np.searchsorted(source, [first - 1, end + 1]))
+        for kind, (curve, s) in best.items():
+            strength[at_rate][kinds_at_rate[at_rate] == kind.encode()] = s
+            alike = number[first:end][kinds[first:end] == kind.encode()]
+            curves |= dict.fromkeys(np.unique(alike), curve)
+    return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
+
+
+def chosen_for(
+    manifold: MotionManifold,
+    body: Body,
+    kinds: np.ndarray,
+    always: np.ndarray,
+    hole: slice,
+    tried: bool,
+) -> dict[str, tuple[Curve, float]]:
+    """The curve and the strength for each kind in a hole, which is a run of frames.
+
+    `kinds` (frames, 20) are those of the missing joints, else b""; `always` (20,) says which joints
+    are missing in all frames. Only if `tried` there are trials.
+    """
+    rate = body.motion.rate
+    pattern = np.where(always, "", kinds[hole].astype(str))
+    margin = round(NEAR_SECONDS * rate)
+    near = slice(max(hole.start - margin, 0), hole.stop + margin)
+    clip = replace(body, motion=body.motion.at(near))
+    missing = kinds[near] != b""
+    known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
+    trials = trials_in(known & tried, pattern, rate)
+    hidden = missing | (trials.kinds != "")
+    prior = _priors_of(pattern, rate)
+    on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
+    by_curve = _weights_of("curves", prior, errors_in(clip, trials, on_curve))
+    curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
+
+    def curve_at(joint: int, frame: int) -> Curve:
+        return curves.get(trials.kinds[frame, joint], eased)
+
+    corrections = on_strengths(manifold, clip, hidden, curve_at)
+    by_strength = _weights_of("strengths", prior, errors_in(clip, trials, corrections))
+    return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in prior}
+
+
+def _priors_of(pattern: np.ndarray, rate: float) -> dict[str, dict[str, np.ndarray]]:
+    """`priors` for each kind of a pattern (n, 20) of kinds."""
+    by_kind = {}
+    for kind in np.unique(pattern[pattern != ""]):
+        frames = np.count_nonzero((pattern == kind).any(axis=1))
+        by_kind[str(kind)] = priors(str(kind), frames / rate)
+    return by_kind
+
+
+def _weights_of(
+    name: str, prior: dict[str, dict[str, np.ndarray]], errors: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The weights of the candidates for "curves" or "strengths", for each kind of hole."""
+    return {
+        kind: weights(of_kind[name], errors.get(kind), POWERS[name])
+        for kind, of_kind in prior.items()
+    }
+
+
+def on_one(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarray:
+    """The positions (F, 20, 3) with all unknown rotations on one curve."""
+    return replace(body, motion=on_curves(body.motion, missing, lambda *_: curve)).positions
+
+
+def on_strengths(
+    manifold: MotionManifold, body: Body, missing: np.ndarray, curve_at: CurveAt
+) -> Iterator[np.ndarray]:
+    """The positions (F, 20, 3) for each of `STRENGTHS`."""
+    start = on_curves(body.motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
+    holes = Holes(body, missing, start)
+    full = corrected(manifold, holes.features, holes.mask, np.ones(holes.mask.shape))
+    x0, xn = map(holes.positions_of, (holes.features, full))
+    yield from (x0 + s * (xn - x0) for s in STRENGTHS)
+
+
+def errors_in(
+    body: Body, trials: Trials, candidates: Iterable[np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The mean errors (m) of candidates (F, 20, 3) in trials, (I, K), for each kind of hole.
+
+    Without trials no candidate is computed.
+    """
+    if not trials.starts:
+        return {}
+    distances = [np.linalg.norm(each - body.positions, axis=-1) for each in candidates]
+    source = body.motion.source_frames(RATE)
+    errors: dict[str, list[list[float]]] = defaultdict(list)
+    for kind in np.unique(trials.kinds[trials.kinds != ""]):
+        mask = at_thirty(body.motion, trials.kinds == kind)
+        for start in trials.starts:
+            frames = slice(*np.searchsorted(source, [start, start + trials.size]))
+            if mask[frames].any():
+                errors[str(kind)].append([x[frames][mask[frames]].mean() for x in distances])
+    return {kind: np.array(rows) for kind, rows in errors.items()}
+
+
+def weights(prior: np.ndarray, errors: np.ndarray | None, power: float) -> np.ndarray:
+    """w of the module's equation, (K,), from r (K,) and the errors of trials (I, K), if any."""
+    logs = np.log(np.maximum(np.empty((0, len(prior))) if errors is None else errors, LEAST_METRES))
+    logs -= logs[:, :1]  # trials that are hard for all candidates weigh no more
+    score = (logs.sum(axis=0) + PRIOR * prior) / (len(logs) + PRIOR)
+    weight = np.exp(-power * (score - score.min()))
+    return weight / weight.sum()
+
+
+def trials_in(known: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
+    """As many trials as fit into the runs of known frames (frames,), evenly spread over each.
+
+    `pattern` (n, 20) are the kinds of the joints that are missing in the hole, else "".
+    """
+    margin = round(MARGIN_SECONDS * rate)
+    size = len(pattern)
+    kinds = np.zeros((len(known), len(JOINTS)), "U4")
+    starts = list[int]()
+    apart = size + max(size, round(APART_SECONDS * rate))
+    for first, end in runs(known) + [margin, -margin - size]:
+        if end >= first:
+            starts += np.linspace(first, end, (end - first) // apart + 1).astype(int).tolist()
+    for start in starts:
+        kinds[start : start + size] = pattern
+    return Trials(kinds, starts, size)
+
+
+def priors(kind: str, seconds: float) -> dict[str, np.ndarray]:
+    """r of the module's equation for "curves" and "strengths", by the kind and duration of a hole,
+    interpolated over the logarithm of the duration."""
+    table = fill_table()
+    at = np.log(seconds * RATE), np.log(table["lengths"])
+    return {
+        name: np.array([np.interp(*at, column) for column in np.transpose(table[name][kind])])
+        for name in POWERS
+    }
+
+
+@cache
+def fill_table() -> dict:
+    """Lengths of holes, in frames at 30 a second, and r for each kind of hole, length and candidate
+    relative to the first candidate."""
+    text = files("numpy_cae.repair").joinpath("fill_strengths.json").read_text("utf-8")
+    return json.loads(text)

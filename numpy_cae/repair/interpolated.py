@@ -2,7 +2,7 @@
 
 Where some of the twenty joints are missing, a rotation of the rig is unknown if every bone that it
 moves ends at a missing joint. Each unknown rotation is interpolated in the joint's own coordinates
-(`motion.hole_curves`); `repair.trials` chooses the curves.
+(`motion.hole_curves`); `repair.holes` chooses the curves.
 """
 
 from collections.abc import Iterable

@@ -117,12 +117,8 @@ class Turn(NamedTuple):
 
     def at_frames(self, step: int) -> "Turn":
         """The turn in the frames of a motion of which every `step`-th frame was taken."""
-        return self._replace(
-            first=self.first * step,
-            risen=self.risen * step,
-            falls=self.falls * step,
-            end=self.end * step,
-        )
+        first, risen, falls, end = (step * frame for frame in self[:4])
+        return Turn(first, risen, falls, end, self.vector, self.in_parent, self.size)
 
     def undone(self, q: np.ndarray, frames: np.ndarray) -> np.ndarray:
         """Rotations (F, 4) in some frames without the turn."""

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.mocap.t_pose import leading_t_pose
-from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import usual_body
+from numpy_cae.repair.curves import sliding, usual_body
 from numpy_cae.repair.interpolated import with_finite_values
 from numpy_cae.repair.jumps import sharp_steps
 
@@ -105,7 +104,7 @@ def shaking(motion: Motion) -> float:
 
 def _is_from_video(motion: Motion) -> bool:
     body = usual_body(motion)
-    if foot_sliding(body, motion.rate) <= SLIDING:
+    if sliding(motion) <= SLIDING:
         return False
     most = max(JUMPING_SHARE * len(motion), JUMPING_FRAMES)
     if sharp_steps(motion, None, FAR_SENSITIVITY).any(axis=1).sum() > most:

@@ -30,26 +30,19 @@ from numpy_cae.repair.curves import usual_body
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import Finding, marked, shifted, usable
-from numpy_cae.repair.holes import holes_of
+from numpy_cae.repair.holes import chosen, holes_of
 from numpy_cae.repair.interpolated import (
     POSITION_KINDS,
     interpolate_channels,
     missing_joints,
     with_finite_values,
 )
-from numpy_cae.repair.jumps import (
-    find_jitter,
-    find_jumps,
-    jumping_steps,
-    mend_jumps,
-    smooth_motion,
-)
+from numpy_cae.repair.jumps import find_jitter, find_jumps, jumping_steps, mend_jumps, smooth_motion
 from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
 from numpy_cae.repair.spikes import find_spikes
 from numpy_cae.repair.still import find_still, find_t_pose
-from numpy_cae.repair.trials import chosen
 
 UNKNOWN_METRES = 0.12
 """UNKNOWN_METRES: a motion is unlike what the manifold knows if its residual exceeds this (m),

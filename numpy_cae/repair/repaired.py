@@ -1,8 +1,8 @@
-"""What a repair changed."""
+"""What a repair changed; in a few sentences and numbers, as the page shows it first."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,9 +14,11 @@ from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
 from numpy_cae.repair.chunks import chunks
-from numpy_cae.repair.curves import LEAST_LEVER_METRES
+from numpy_cae.repair.curves import LEAST_LEVER_METRES, sliding
 from numpy_cae.repair.finding import Finding, is_path
-from numpy_cae.repair.interpolated import missing_joints
+from numpy_cae.repair.interpolated import missing_joints, with_finite_values
+from numpy_cae.repair.jumps import sharp_steps
+from numpy_cae.repair.presets import PRESETS, fitting_preset, shaking
 
 MOVED_METRES = 1e-6
 """MOVED_METRES: a joint is touched if it moves by more than this (m)."""
@@ -95,10 +97,7 @@ class Repaired:
         """The repair without its first frames; findings are in the frames of the file."""
         rest = slice(frames, None)
         return replace(
-            self,
-            motion=self.motion.at(rest),
-            touched=self.touched[rest],
-            moved=self.moved[rest],
+            self, motion=self.motion.at(rest), touched=self.touched[rest], moved=self.moved[rest]
         )
 
     def listed(self) -> list[Finding]:
@@ -210,3 +209,37 @@ def joined(first: Motion, rest: Motion) -> Motion:
         rotations=np.concatenate([first.rotations, rest.rotations]),
         translations=np.concatenate([first.translations, rest.translations]),
     )
+
+
+Measures = list[tuple[str, float, float]]
+"""The name of each measure with its unit, and its value before and after."""
+
+
+def sentences(repaired: Repaired, advises: bool = True) -> list[str]:
+    """What was found and changed, what a user should know about it and, if that is wanted, which
+    preset fits."""
+    kinds = Counter(finding.kind for finding in repaired.findings)
+    found = ", ".join(f"{kind} {number}" for kind, number in kinds.most_common())
+    changed = repaired.touched.any(axis=1).sum() / repaired.motion.rate
+    said = [
+        f"{count(len(repaired.findings), 'finding')}{f': {found}' if found else ''}",
+        f"{changed:.1f} of {repaired.motion.seconds:.1f} s are changed",
+    ]
+    if repaired.proposed:
+        said.append(f"{count(len(repaired.proposed), 'proposal')}, not changed")
+    if not repaired.known:
+        said.append("unlike what the model knows: only what the file itself shows was mended")
+    if advises and repaired.original and (name := fitting_preset(repaired.original)):
+        said.append(f"motion like this is repaired with --from {name}: {PRESETS[name]}")
+    return said
+
+
+def measures(before: Motion, after: Motion) -> Measures:
+    """Measures of damage, each of the motion before and after."""
+    finite = with_finite_values(before)[0]
+    named = {"jumps": _jumps, "feet slide, cm/s": sliding, "jitter, m/s²": shaking}
+    return [(name, measure(finite), measure(after)) for name, measure in named.items()]
+
+
+def _jumps(motion: Motion) -> float:
+    return float(np.count_nonzero(sharp_steps(motion)))

@@ -18,14 +18,7 @@ import numpy as np
 from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
-from numpy_cae.repair.curves import (
-    Curve,
-    Segment,
-    body_size,
-    curves_of,
-    least_jump,
-    local_median,
-)
+from numpy_cae.repair.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
 from numpy_cae.repair.finding import Finding, confidence
 
 LONGEST_SECONDS = 0.1

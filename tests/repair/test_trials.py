@@ -10,8 +10,8 @@ from numpy_cae.motion import JOINTS
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
+from numpy_cae.repair.holes import PRIOR, chosen, trials_in, weights
 from numpy_cae.repair.interpolated import on_curves
-from numpy_cae.repair.trials import PRIOR, chosen, trials_in, weights
 
 
 def test_weights_fall_with_the_power_of_the_error_and_start_at_the_prior():

@@ -15,8 +15,7 @@ from numpy_cae.mocap import UnknownRigError
 from numpy_cae.mocap.load import FileMotion, load_motion
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
-from numpy_cae.repair.repaired import MOST_PRINTED, count
-from numpy_cae.repair.summary import measures, sentences
+from numpy_cae.repair.repaired import MOST_PRINTED, count, measures, sentences
 
 READING = 1 / 4
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""

@@ -11,8 +11,7 @@ import numpy as np
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired
-from numpy_cae.repair.repaired import count
-from numpy_cae.repair.summary import Measures
+from numpy_cae.repair.repaired import Measures, count
 from numpy_cae.viz import before_and_after, save_index, save_viewer, strip_svg
 
 NOT_REPEATED = "command run files output dry_run overwrite html findings only".split()
