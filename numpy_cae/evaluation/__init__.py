@@ -3,5 +3,12 @@
 
 from numpy_cae.evaluation.errors import angle_distance, position_error
 from numpy_cae.evaluation.pca import PCA
+from numpy_cae.evaluation.samples import (
+    diversity,
+    jitter,
+    nearest_distance,
+    nearest_neighbour_accuracy,
+)
+from numpy_cae.motion.contacts import foot_sliding
 
 __all__ = [name for name in dir() if not name.startswith("_")]

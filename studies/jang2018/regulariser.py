@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.evaluation.samples import nearest_neighbour_accuracy
 from numpy_cae.evaluation.table import Table
-from studies.jang2018.measures import nearest_neighbour_accuracy
 from studies.jang2018.samples import PRIOR, SAMPLES, sample_clips
 from studies.jang2018.training import CLIPS, Study, discrepancy
 from studies.shared.result import Claim, Result

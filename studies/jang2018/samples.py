@@ -14,10 +14,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.evaluation.samples import diversity, nearest_distance, nearest_neighbour_accuracy
 from numpy_cae.evaluation.table import Table
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
-from studies.jang2018.measures import diversity, nearest_distance, nearest_neighbour_accuracy
 from studies.jang2018.training import CLIPS, Study
 from studies.shared.moving import gif
 from studies.shared.result import Claim, Picture, Result

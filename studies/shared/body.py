@@ -2,26 +2,10 @@
 
 import numpy as np
 
+from numpy_cae.evaluation.samples import jitter as jitter
 from numpy_cae.motion.joints import PARENTS
 
 _BONES = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]
-
-
-def jitter(positions: np.ndarray, rate: float) -> float:
-    """Mean over joints and frames of the acceleration's magnitude, in m/s².
-
-        mean_{t,j} ‖p_{t+1,j} - 2 p_{t,j} + p_{t-1,j}‖ · rate²
-
-    It is to be compared with the truth's, as it is not best at 0: noise that changes from frame to
-    frame increases it far more than the position error, and too much smoothing decreases it.
-    ValueError for fewer than 3 frames.
-    """
-    if np.ndim(positions) != 3 or np.shape(positions)[2] != 3 or len(positions) < 3:
-        raise ValueError(
-            f"positions have shape {np.shape(positions)}, expected (3 frames or more, joints, 3)"
-        )
-    acceleration = np.diff(np.asarray(positions, dtype=np.float64), 2, axis=0) * rate**2
-    return float(np.linalg.norm(acceleration, axis=-1).mean())
 
 
 def bone_length_error(positions: np.ndarray, lengths: np.ndarray) -> float:

@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 from data_synth import make_take
 from numpy_cae import mocap, motion
 from numpy_cae.evaluation.clips import Clips
-from numpy_cae.motion import JOINTS
-from numpy_cae.motion.contacts import foot_sliding
-from numpy_cae.motion.fit import body_skeleton
-from studies.jang2018.measures import (
+from numpy_cae.evaluation.samples import (
     clip_distances,
     diversity,
     nearest_distance,
     nearest_neighbour_accuracy,
 )
+from numpy_cae.motion import JOINTS
+from numpy_cae.motion.contacts import foot_sliding
+from numpy_cae.motion.fit import body_skeleton
 from studies.shared.body import bone_length_error, jitter
 from studies.shared.retrieval import average_precision
 from studies.shared.validity import Validity, ValidityMeasure

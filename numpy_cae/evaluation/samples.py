@@ -1,4 +1,4 @@
-"""Measures of sets of clips, (N, F, C), by the distance
+"""Measures of a body that moves, and of sets of clips, (N, F, C), by the distance
 
     d(a, b) = √ mean_{t,k} (a_{t,k} - b_{t,k})²
 
@@ -55,3 +55,20 @@ def nearest_neighbour_accuracy(real: np.ndarray, samples: np.ndarray) -> float:
     distances = clip_distances(together, together)
     np.fill_diagonal(distances, np.inf)
     return float(np.mean(is_real[distances.argmin(axis=1)] == is_real))
+
+
+def jitter(positions: np.ndarray, rate: float) -> float:
+    """Mean over joints and frames of the acceleration's magnitude, in m/s².
+
+        mean_{t,j} ‖p_{t+1,j} - 2 p_{t,j} + p_{t-1,j}‖ · rate²
+
+    It is to be compared with the truth's, as it is not best at 0: noise that changes from frame to
+    frame increases it far more than the position error, and too much smoothing decreases it.
+    ValueError for fewer than 3 frames.
+    """
+    if np.ndim(positions) != 3 or np.shape(positions)[2] != 3 or len(positions) < 3:
+        raise ValueError(
+            f"positions have shape {np.shape(positions)}, expected (3 frames or more, joints, 3)"
+        )
+    acceleration = np.diff(np.asarray(positions, dtype=np.float64), 2, axis=0) * rate**2
+    return float(np.linalg.norm(acceleration, axis=-1).mean())
