@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Sequence
+from textwrap import fill
 
 import numpy as np
 
@@ -12,6 +13,8 @@ COLUMNS = 4
 APART = 2.2
 """APART: the distance of two bodies in the picture (m)."""
 PIXELS = 640
+LETTERS = 30
+"""LETTERS: a line of a label has at most this many."""
 
 
 def gif(actors: Sequence[Actor], rate: float) -> bytes:
@@ -31,7 +34,7 @@ def gif(actors: Sequence[Actor], rate: float) -> bytes:
     axes.axis("off")
     places = [np.array([n % COLUMNS, -(n // COLUMNS)]) * APART for n in range(len(actors))]
     for actor, (x, y) in zip(actors, places, strict=True):
-        axes.text(x, y + 0.9 * APART, actor.label, ha="center", size=6)
+        axes.text(x, y + 0.85 * APART, fill(actor.label, LETTERS), ha="center", size=6)
     lines = [axes.add_collection(LineCollection([], colors=a.colour, lw=1.5)) for a in actors]
     pictures = []
     for frame in range(len(actors[0].positions)):
