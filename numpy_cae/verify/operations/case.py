@@ -20,8 +20,6 @@ SEEDS_TRIED = 3
 """SEEDS_TRIED: seeds below this number are tried to make a counterexample simpler."""
 LARGE = 16
 """LARGE: a size above this occurs in one case of a property only, together with small sizes."""
-FEWEST_FRAMES = 7
-"""FEWEST_FRAMES: so many frames, if they are at most two below a power of two, get several taps."""
 SEVERAL_TAPS = 5
 """SEVERAL_TAPS: at least so many taps are several."""
 VERY_LARGE = 100
@@ -204,7 +202,7 @@ def _further_rows(sizes: Sizes, together: Sequence[Mapping]) -> Iterator[dict]:
     numbers = {name: options for name, options in sizes.items() if isinstance(options[0], int)}
     for frames, taps in product(sizes.get("frames", ()), sizes.get("taps", ())):
         below = (1 << (frames - 1).bit_length()) - frames  # the next power of two
-        if frames >= FEWEST_FRAMES and below <= 2 and SEVERAL_TAPS <= taps <= LARGE:
+        if frames > SEVERAL_TAPS and below <= 2 and SEVERAL_TAPS <= taps <= LARGE:
             yield first | {"frames": frames, "taps": taps}
     large = [(size, option) for size in numbers for option in numbers[size] if option > VERY_LARGE]
     for number, (size, option) in enumerate(large):

@@ -103,8 +103,7 @@ def properties_of(
     _require_known(name, "shapes", named, known)
     values = {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
     is_single = tuple(dtypes) == ("float32",)
-    dtype = np.float32 if is_single else np.float64
-    arguments = drawing.arguments_of(shapes, values, dtype)
+    arguments = drawing.arguments_of(shapes, values, np.float32 if is_single else np.float64)
     every = drawing.with_each_array({**_drawn_sizes(shapes), **CLASSES, **(sizes or {})}, arguments)
     example = arguments(drawing.simplest_case(every))
     if differentiable is None:

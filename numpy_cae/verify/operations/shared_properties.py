@@ -21,6 +21,9 @@ FLOAT32_ULPS = 64
 """FLOAT32_ULPS: a result of float32 may be off by so many roundings of float32."""
 OWN_ULPS = 1024
 """OWN_ULPS: the same for an operation of one's own, whose terms may cancel."""
+DENSE = 33
+"""DENSE: the largest size of "dtype" for operations of one's own: ordinary numbers are distinct and
+so near to each other in larger arrays that a right layer may amplify the rounding of float32."""
 FURTHER_CALLS = 7
 """FURTHER_CALLS: in some cases a result is compared again after so many further calls."""
 POINTS = 2
@@ -49,8 +52,9 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
         findings = partial(_adjoint, name)
         yield stated(f"adjoint in {name}", statement, findings, UPSTREAM | ALIKE_IN_SIZE)
+    few = {"dtype": {s: o[: o.index(DENSE) + 1] for s, o in operation.sizes.items() if DENSE in o}}
     for name, statement, findings, classes, options in SHARED:
-        yield stated(name, statement, findings, classes, **options)
+        yield stated(name, statement, findings, classes | few.get(name, {}), **options)
     if operation.reference:
         more = operation.longer
         longer = {size: (*given, *more.get(size, ())) for size, given in operation.sizes.items()}
