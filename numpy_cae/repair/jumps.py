@@ -80,7 +80,7 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
             at = first + np.flatnonzero(jumps[first:end, column])
             by = f"by more than {100 * OFF_MEDIAN_METRES:.0f} cm"
             steps = "1 step differs" if len(at) == 1 else f"{len(at)} steps differ"
-            why = f"{steps} from those around them {by}"
+            why = f"{steps} from the steps around {by}"
             found.append(Finding(JOINTS[column], (int(at[0]), int(at[-1])), "jumps", why))
     return found
 

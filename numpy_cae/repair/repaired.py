@@ -15,7 +15,7 @@ from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
 from numpy_cae.repair.chunks import chunks
 from numpy_cae.repair.curves import LEAST_LEVER_METRES, sliding
-from numpy_cae.repair.finding import Finding, is_path
+from numpy_cae.repair.finding import STATUSES, Finding, is_path
 from numpy_cae.repair.interpolated import missing_joints, with_finite_values
 from numpy_cae.repair.jumps import sharp_steps
 from numpy_cae.repair.presets import PRESETS, fitting_preset, shaking
@@ -24,6 +24,9 @@ MOVED_METRES = 1e-6
 """MOVED_METRES: a joint is touched if it moves by more than this (m)."""
 MOST_PRINTED = 5
 """MOST_PRINTED: at most this many runs of frames, and findings, are printed in full."""
+NOT_DONE = {"proposed": "proposed, not changed", "left": "found, left alone"}
+WHY = {"proposed": "not certain enough", "left": STATUSES["left"].partition(", since ")[2]}
+"""NOT_DONE, WHY: what is said of findings of a status that were not repaired, and the reason."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,7 +92,7 @@ class Repaired:
         if not self.known:
             lines.append(
                 f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
-                "from their projection, so only what the file itself shows was mended"
+                "from their projection, so only smoothing and filters were used, no prediction"
             )
         return "\n".join(lines) or "nothing to repair was found"
 
@@ -215,9 +218,9 @@ Measures = list[tuple[str, float, float]]
 """The name of each measure with its unit, and its value before and after."""
 
 
-def sentences(repaired: Repaired, advises: bool = True) -> list[str]:
-    """What was found and changed, what a user should know about it and, if that is wanted, which
-    preset fits."""
+def sentences(repaired: Repaired, command: str = "") -> list[str]:
+    """What was found and changed, what a user should know about it and, if there is a `command` to
+    which --from can be added, which preset fits."""
     kinds = Counter(finding.kind for finding in repaired.findings)
     found = ", ".join(f"{kind} {number}" for kind, number in kinds.most_common())
     changed = repaired.touched.any(axis=1).sum() / repaired.motion.rate
@@ -225,21 +228,29 @@ def sentences(repaired: Repaired, advises: bool = True) -> list[str]:
         f"{count(len(repaired.findings), 'finding')}{f': {found}' if found else ''}",
         f"{changed:.1f} of {repaired.motion.seconds:.1f} s are changed",
     ]
-    if repaired.proposed:
-        said.append(f"{count(len(repaired.proposed), 'proposal')}, not changed")
+    for status, number in Counter(finding.status for finding in repaired.proposed).items():
+        said.append(f"{number} {NOT_DONE[status]}, since {WHY[status]}")
     if not repaired.known:
-        said.append("unlike what the model knows: only what the file itself shows was mended")
-    if advises and repaired.original and (name := fitting_preset(repaired.original)):
-        said.append(f"motion like this is repaired with --from {name}: {PRESETS[name]}")
+        said.append("unlike what the model knows: used only smoothing and filters, no prediction")
+    if command and repaired.original and (name := fitting_preset(repaired.original)):
+        suits = f"which suits motion from a {name} such as this"
+        said.append(f"not done yet: {PRESETS[name]}, {suits}; to do it: {command} --from {name}")
     return said
+
+
+def filled(repaired: Repaired) -> str:
+    """What `fill` filled in, such as "filled: left wrist, frames 30 to 75"."""
+    lines = repr(repaired).replace("_", " ").splitlines()
+    first = [line.partition(": moved")[0].replace(": ", ", ") for line in lines[:MOST_PRINTED]]
+    return f"filled: {'; '.join(first)}{' and more' if len(lines) > MOST_PRINTED else ''}"
 
 
 def measures(before: Motion, after: Motion) -> Measures:
     """Measures of damage, each of the motion before and after."""
     finite = with_finite_values(before)[0]
-    named = {"jumps": _jumps, "feet slide, cm/s": sliding, "jitter, m/s²": shaking}
+    named = {"frames with a jump": _jumps, "feet slide, cm/s": sliding, "jitter, m/s²": shaking}
     return [(name, measure(finite), measure(after)) for name, measure in named.items()]
 
 
 def _jumps(motion: Motion) -> float:
-    return float(np.count_nonzero(sharp_steps(motion)))
+    return float(np.count_nonzero(sharp_steps(motion).any(axis=1)))

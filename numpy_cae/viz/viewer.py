@@ -79,7 +79,7 @@ def save_viewer(
     summary : sequence of str
         What the page says first.
     measures : sequence of (str, float, float)
-        A name with its unit, and its value before and after.
+        A name with its unit, and its value before and after; a smaller one is better.
     rows : mapping of str to (F,) array of float
         The name and the values, 0 to 1, of rows of bars below the slider.
     """
@@ -94,11 +94,17 @@ def _summary(summary: Sequence[str], measures: Sequence[tuple[str, float, float]
         return ""
     said = "".join(f"<li>{escape(visible(text))}</li>" for text in summary)
     rows = "".join(
-        f"<tr><th scope=row>{escape(name)}</th><td>{before:.3g}</td><td>{after:.3g}</td></tr>"
+        f"<tr><th scope=row>{escape(name)}</th><td>{before:.3g}</td>"
+        f"<td>{after_text(before, after)}</td></tr>"
         for name, before, after in measures
     )
     head = "<tr><td></td><th scope=col>before</th><th scope=col>after</th></tr>"
     return f'<div class="summary"><ul>{said}</ul><table>{head}{rows}</table></div>'
+
+
+def after_text(before: float, after: float) -> str:
+    """The value after, marked if it is worse: larger by more than 1% and 0.1."""
+    return f"{after:.3g}{' (worse)' if after > 1.01 * before + 0.1 else ''}"
 
 
 def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: Any) -> str:

@@ -1,5 +1,7 @@
 """The viewer in headless Chromium: it loads from the disk, plays, and shows the right positions."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -82,18 +84,21 @@ def test_the_address_names_a_frame(page):
 
 
 def test_a_finding_leads_to_its_frames_and_its_command(page):
-    """The details are below the finding; a command for it alone, and for those accepted."""
+    """The details are below the finding; a command for those that are kept, and for it alone. The
+    curve is of the joint below it that moved furthest."""
     viewer, code = viewer_of(page), page.locator(".findings code:visible")
     rows = page.locator(".findings li")
     first, proposal = rows.first, rows.last
     first.locator("button").first.click()
     assert viewer.evaluate("viewer => [viewer.frame, viewer.loop]") == [30, [20, 55]]
-    assert "frames 30 to 45 · frozen · 131 cm" in first.inner_text()
+    mover = re.search(r"frames 30 to 45 · frozen · the (l\w+) moves 131 cm", first.inner_text())[1]
+    assert page.get_by_label("curve of").input_value() == mover
     assert "Confidence 90%" in first.inner_text()
+    first.locator("summary").click()
     assert code.inner_text() == "numpy-cae repair a.bvh -o b_finding_1.bvh --only 1"
-    first.get_by_label("accept").uncheck()
-    assert code.last.inner_text() == "numpy-cae repair a.bvh -o b_accepted.bvh --only 2"
-    first.get_by_label("accept").check()
+    first.get_by_label("keep this repair").uncheck()
+    assert code.first.inner_text() == "numpy-cae repair a.bvh -o b_kept.bvh --only 2"
+    first.get_by_label("keep this repair").check()
     proposal.locator("button").first.click()
     assert code.inner_text() == "numpy-cae repair a.bvh -o b_proposal.bvh --frames 60 60"
 

@@ -2,20 +2,21 @@
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared import arguments, one_motion
+from numpy_cae.cli.shared import arguments, one_motion, pages
 from numpy_cae.cli.shared.output import working
-from numpy_cae.cli.shared.pages import Row, in_words, numbers_of, write_index, write_page
 from numpy_cae.cli.shared.targets import is_single, targets_of
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError
 from numpy_cae.mocap.load import FileMotion, load_motion
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
-from numpy_cae.repair.repaired import MOST_PRINTED, count, measures, sentences
+from numpy_cae.repair.repaired import MOST_PRINTED, NOT_DONE, count, measures, sentences
+from numpy_cae.viz.viewer import after_text
 
 READING = 1 / 4
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
@@ -25,6 +26,10 @@ unlike what the model knows."""
 TRY = (
     "nothing was changed. Are the up axis (--up) and the joints (`numpy-cae rig`) right? Name what "
     "is damaged (--joint, --frames), or where the motion is from (--from)"
+)
+ANYWAY = (
+    "to repair some of these anyway: write all with --findings found.json, add "
+    '"accept": true to those that are wanted, and pass the file with --mask found.json'
 )
 
 
@@ -53,7 +58,7 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired])
     """
     targets, single = targets_of(args), is_single(args)
     mapping, coordinates = arguments.reading(args)
-    rows: list[Row] = []
+    rows: list[pages.Row] = []
     unusable: list[str] = []
     with working(str(args.files[0]) if single else count(len(targets), "file")) as is_done:
         for number, (source, target) in enumerate(targets.items()):
@@ -72,9 +77,9 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired])
         return rows[0].status
     if rows:
         together = np.sum([row.numbers for row in rows], axis=0)
-        print(f"{count(len(rows), 'file')}: {in_words(together)}")
+        print(f"{count(len(rows), 'file')}: {pages.in_words(together)}")
         if args.html and not args.dry_run:
-            print(f"{write_index(args.output, rows)}: all of them; open it in a browser")
+            print(f"{pages.write_index(args.output, rows)}: all of them; open it in a browser")
     if unusable:
         print(f"\n{len(unusable)} of {len(targets)} files could not be used:", *unusable, sep="\n")
     return bool(unusable) + (not rows)
@@ -82,13 +87,17 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired])
 
 def _changed(
     args: argparse.Namespace, source: Path, target: Path | None, motion: Motion, repaired: Repaired
-) -> Row:
+) -> pages.Row:
     """Write a changed motion, its page and its findings, and print what was changed."""
     status = _status(args, motion, repaired)
-    said = sentences(repaired, args.command == "repair" and not args.source)
-    said += [TRY] * (status == UNLIKE)
+    advised = args.command == "repair" and not (args.source or args.smooth or args.feet)
+    again = pages.command_of(args, source, target or Path("fixed.bvh")) + " --html" * args.html
+    said = sentences(repaired, again * advised) + [TRY] * (status == UNLIKE)
     values = measures(motion, repaired.motion)
-    row = Row(source, numbers_of(repaired, values), status)
+    row = pages.Row(source, pages.numbers_of(repaired, values), status)
+    if args.command == "fill":  # without its number of findings
+        said = said[1:]
+        values = [each for each in values if f"{each[1]:.3g}" != f"{each[2]:.3g}"]
     written = {}
     if target is not None:
         if not is_single(args):
@@ -99,20 +108,21 @@ def _changed(
     if target is not None and args.html:
         page = target.with_suffix(".html")
         written[page] = "not written, since nothing was changed"
-        if not status:
-            strip = write_page(args, (source, target), motion, repaired, said, values)
+        if not status or repaired.listed():
+            strip = pages.write_page(args, (source, target), motion, repaired, said, values)
             row = row._replace(page=page, strip=strip)
             written[page] = "before and after; open it in a browser"
     if getattr(args, "findings", None):
         written |= _write_findings(args, source, repaired)
     if is_single(args):
-        changes = "; ".join(f"{name}: {old:.3g} → {new:.3g}" for name, old, new in values)
-        said = [*said[:2], changes, *said[2:], *_details(repaired)]
+        changes = [f"{name}: {old:.3g} → {after_text(old, new)}" for name, old, new in values]
+        said[2:2] = ["; ".join(changes)] * bool(changes)
+        said += _details(repaired)
         print(f"{source}: {len(motion)} frames, {motion.note}", *said, sep="\n  ")
         for path, content in written.items():
             print(f"{path}: {content}")
     else:
-        print(f"{source}: {in_words(row.numbers)}")
+        print(f"{source}: {pages.in_words(row.numbers)}")
     return row
 
 
@@ -129,12 +139,18 @@ def _details(repaired: Repaired) -> list[str]:
     if not listed:
         return repr(repaired).splitlines() if repaired.touched.any() else []
     numbered = [f"{number}. {each}" for number, each in enumerate(listed[:findings], start=1)]
-    unchanged = [f"not changed: {each}" for each in listed[findings:]]
-    lines = []
-    for some in (numbered, unchanged):
-        more = len(some) - MOST_PRINTED
-        lines += some[:MOST_PRINTED] + [f"and {more} more"] * (more > 0)
-    return lines
+    lines = _first(numbered)
+    for status, name in NOT_DONE.items():
+        # Without the status, whose reason is printed once, above.
+        some = [f"  {replace(each, status='repaired')}" for each in listed if each.status == status]
+        lines += [f"{name}:", *_first(some)] if some else []
+    return lines + [ANYWAY] * (len(listed) > findings)
+
+
+def _first(lines: list[str]) -> list[str]:
+    """The first lines, and how many more there are."""
+    more = len(lines) - MOST_PRINTED
+    return lines[:MOST_PRINTED] + [f"  and {more} more"] * (more > 0)
 
 
 def _write_findings(args: argparse.Namespace, source: Path, repaired: Repaired) -> dict[Path, str]:

@@ -105,7 +105,7 @@ def working(on: str) -> Iterator[Callable[[float], None]]:
         wait = 2.0
         while not ended.wait(wait):
             passed = time.monotonic() - begun
-            left = f", about {total - passed:.0f} s to go" if total > passed else ""
+            left = f", about {total - passed:.0f} s to go at this speed" if total > passed else ""
             note(f"{on}: {passed:.0f} s{left}")
             wait = min(2 * wait, 60.0)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired
-from numpy_cae.repair.repaired import Measures, count
+from numpy_cae.repair.repaired import Measures, count, filled
 from numpy_cae.viz import before_and_after, save_index, save_viewer, strip_svg
 
 NOT_REPEATED = "command run files output dry_run overwrite html findings only".split()
@@ -21,7 +21,8 @@ NOT_REPEATED = "command run files output dry_run overwrite html findings only".s
 class Row(NamedTuple):
     """What became of one file, for its line in the terminal and its row in the index.
 
-    The numbers are: findings, seconds that were changed, seconds, jumps before and after.
+    The numbers are: findings, seconds that were changed, seconds, frames with a jump before and
+    after.
     """
 
     source: Path
@@ -39,11 +40,12 @@ def numbers_of(repaired: Repaired, values: Measures) -> tuple[float, ...]:
 
 
 def in_words(numbers: tuple[float, ...]) -> str:
-    """The numbers of a row, or the sums of several."""
+    """The numbers of a row, or the sums of several; no findings where all was asked for."""
     findings, changed, seconds, before, after = numbers
+    found = "" if changed and not findings else f"{count(int(findings), 'finding')}, "
     return (
-        f"{count(int(findings), 'finding')}, {changed:.1f} of {seconds:.1f} s changed, "
-        f"jumps {before:.0f} → {after:.0f}"
+        f"{found}{changed:.1f} of {seconds:.1f} s changed, "
+        f"frames with a jump {before:.0f} → {after:.0f}"
     )
 
 
@@ -57,8 +59,10 @@ def write_page(
 ) -> str:
     """Write the page of two files, the source and the target; the strip of the index's row."""
     source, target = files
-    title = f"{source.name}: before and after"
-    command = _command(args, source, target) if args.command == "repair" else ""
+    is_fill = args.command == "fill"
+    title = f"{source.name}, {filled(repaired)}" if is_fill else f"{source.name}: before and after"
+    own = target.with_stem(f"{target.stem}_finding_0")
+    command = "" if is_fill else command_of(args, source, own)
     actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
     entries = [finding.to_json() for finding in repaired.listed()]
     save_viewer(
@@ -77,21 +81,20 @@ def write_page(
 
 
 def write_index(folder: Path, rows: Sequence[Row]) -> Path:
-    """Write the page that lists all files, those with most findings first."""
+    """Write the page that lists all files, those with most frames that jump first."""
     page = folder / "index.html"
     cells = []
-    for row in sorted(rows, key=lambda row: row.numbers, reverse=True):
+    for row in sorted(rows, key=lambda row: row.numbers[::-1], reverse=True):
         link = row.page and row.page.relative_to(folder).as_posix()
         cells.append((row.source.name, link, row.strip, in_words(row.numbers).split(", ")))
     save_index(page, f"{count(len(rows), 'file')}: before and after", cells)
     return page
 
 
-def _command(args: argparse.Namespace, source: Path, target: Path) -> str:
-    """This command for one file, into a file of its own, with every option that changes the
-    result; the page writes the number of a finding in its name, and adds --only."""
-    own = target.with_stem(f"{target.stem}_finding_0")
-    words = ["numpy-cae", "repair", source, "-o", own]
+def command_of(args: argparse.Namespace, source: Path, target: Path) -> str:
+    """This command for one file, into a file `target`, with every option that changes the result;
+    the page writes the number of a finding in its name, and adds --only."""
+    words = ["numpy-cae", "repair", source, "-o", target]
     for name, value in vars(args).items():
         if name in NOT_REPEATED or value in (None, False, []):
             continue

@@ -67,14 +67,16 @@ export function centimetres(value) {
   return `${value < 9.95 ? value.toFixed(1) : Math.round(value)} cm`;
 }
 
+// The place of a joint on an axis, in metres: the first joint in the world, each other one from the first.
+export function placeOf({ positions, joints }, frame, joint, axis) {
+  const at = 3 * frame * joints + axis;
+  return positions[at + 3 * joint] - (joint ? positions[at] : 0);
+}
+
 // How far a joint is from that of another motion, in metres: the first joint in the world, each other
 // one from the first.
 export function distance(motion, other, frame, joint) {
-  const way = [0, 1, 2].map((axis) => {
-    const apart = (at) => motion.positions[3 * (frame * motion.joints + at) + axis] - other.positions[3 * (frame * other.joints + at) + axis];
-    return apart(joint) - (joint ? apart(0) : 0);
-  });
-  return Math.hypot(...way);
+  return Math.hypot(...[0, 1, 2].map((axis) => placeOf(motion, frame, joint, axis) - placeOf(other, frame, joint, axis)));
 }
 
 // 1 for each joint of the left side, -1 for the right, 0 for the middle: a joint is of a side if the

@@ -1,12 +1,15 @@
 // The rows under the slider: what is damaged, how far joints were moved, the curve of a joint.
-import { speedOf } from "motion-data";
+import { placeOf, speedOf } from "motion-data";
 
 const BAR = 14, CURVE = 60, TEXT = 15; // heights in pixels
 
 export const CURVES = {
   height: { unit: "m", of: (motion, frame, joint) => motion.positions[3 * (frame * motion.joints + joint) + 1] },
   speed: { unit: "m/s", of: speedOf },
+  x: { unit: "m from the hips", of: (motion, frame, joint) => placeOf(motion, frame, joint, 0) },
+  z: { unit: "m from the hips", of: (motion, frame, joint) => placeOf(motion, frame, joint, 2) },
 };
+export const TINT = "rgba(217, 138, 29, .25)"; // of the frames of the chosen finding, behind its curves
 
 // For each frame the share of findings' joints, so that one joint is visible. A finding about the whole
 // file, such as jitter, would hide the others.
@@ -127,6 +130,10 @@ export class Timeline {
     pen.drawImage(this.still, 0, 0);
     pen.setTransform(sharp, 0, 0, sharp, 0, 0);
     const x = (value) => value / Math.max(this.frames - 1, 1) * (width - 2);
+    if (this.chosen) {
+      pen.fillStyle = TINT;
+      pen.fillRect(x(this.chosen[0]), 0, x(this.chosen[1]) - x(this.chosen[0]) + 2, height);
+    }
     if (loop) {
       pen.fillStyle = "rgba(110, 130, 150, .3)";
       pen.fillRect(0, 0, x(loop[0]), height);

@@ -13,7 +13,7 @@ const VIEWS = ["front", "side", "top"];
 const SLOW = 20, FAST = 40; // pictures a second: below, drawing is made lighter; above, heavier again
 const HELP = {
   "space": "play or pause", "← →": "one frame", "Shift ← →": "one second", "Home, End": "first and last frame",
-  "a, b": "repeat from here, repeat to here", "c": "repeat everything", "1, 2, 3": "from the front, side, top",
+  "a, b": "start and end of the loop here", "c": "loop all frames", "1, 2, 3": "from the front, side, top",
   "f": "follow the body", "o": "overlay", "?": "this list", "drag": "turn the camera", "wheel, pinch": "zoom",
 };
 const NOTES = "Frames are those of the file, counted from 0. A square of the floor is 1 m. The left side of a " +
@@ -60,7 +60,7 @@ class Viewer {
     this.buildHelp(this.area);
     if (data.findings.length) {
       const panel = element(upper, "div", { className: "findings", role: "region", ariaLabel: "Findings", tabIndex: 0 });
-      this.panel = new FindingsPanel(panel, element, { ...data, motions: this.motions }, (finding) => this.showFinding(finding));
+      this.panel = new FindingsPanel(panel, element, { ...data, motions: this.motions }, (row) => this.showFinding(row));
     }
     this.buildBar(bar);
     const line = element(this.box, "div", { className: "line" });
@@ -87,8 +87,9 @@ class Viewer {
     element(scale, "i", { className: "below" }).style.background = shade(0);
     scale.append(`below ${least} cm`);
     const levels = Array.from({ length: 9 }, (_, part) => shade(1 + Math.round(part / 8 * 254)));
-    element(scale, "i").style.background = `linear-gradient(to right, ${levels.join(", ")})`;
-    scale.append(`${least}, ${Math.round(Math.sqrt(least * most))}, ${most} cm or more`);
+    const ticks = element(scale, "span", { className: "ticks" });
+    element(ticks, "i").style.background = `linear-gradient(to right, ${levels.join(", ")})`;
+    for (const textContent of [`${least} cm`, Math.round(Math.sqrt(least * most)), `${most} or more`]) element(ticks, "span", { textContent });
   }
 
   buildHelp(area) {
@@ -108,9 +109,9 @@ class Viewer {
     const label = element(bar, "label", { textContent: "frame " });
     this.number = element(label, "input", { type: "number", min: 0, max: this.frames - 1, value: 0, ariaLabel: "frame number" });
     this.time = element(bar, "span", { className: "time" });
-    this.button(bar, "from here", "A: repeat from here (a)", () => this.mark(0));
-    this.button(bar, "to here", "B: repeat to here (b)", () => this.mark(1));
-    this.unmark = this.button(bar, "whole", "whole: repeat all frames (c)", () => this.mark());
+    this.button(bar, "loop start", "loop start: repeat from this frame (a)", () => this.mark(0));
+    this.button(bar, "loop end", "loop end: repeat to this frame (b)", () => this.mark(1));
+    this.unmark = this.button(bar, "loop all", "loop all: repeat all frames (c)", () => this.mark());
     VIEWS.forEach((name) => this.button(bar, name, `seen from the ${name}`, () => this.stage.view(name)));
     this.followBox = this.checkbox(bar, "follow", this.follow);
     this.overlayBox = this.checkbox(bar, "overlay", this.overlaid);
@@ -198,10 +199,11 @@ class Viewer {
     this.helpButton.ariaExpanded = String(!hide);
   }
 
-  showFinding({ joint, frames: [first, last] }) {
+  showFinding({ finding: { frames: [first, last] }, mover, moved: { axis } }) {
     this.scrub(first);
-    const shown = this.motions[0].names.find((name) => name === joint);
-    if (shown) this.jointSelect.value = shown;
+    this.jointSelect.value = mover;
+    this.quantity.value = ["x", "height", "z"][axis];
+    this.timeline.chosen = [first, last];
     this.setCurve();
     this.mark(0, Math.max(first - Math.round(this.rate / 3), 0));
     this.mark(1, Math.min(last + Math.round(this.rate / 3), this.frames - 1));
