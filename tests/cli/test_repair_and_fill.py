@@ -44,7 +44,7 @@ def test_the_rig_the_rate_and_the_unit_come_back(folder, tmp_path, file, what, c
     assert (filled.rate, len(filled)) == (came.rate, len(came))
     assert filled.unit == pytest.approx(came.unit)
     assert f"{len(came)} frames at 120 a second, 31 joints" in capsys.readouterr().out
-    assert "before" in (tmp_path / "filled.html").read_text(encoding="utf-8")
+    assert ", filled: " in (tmp_path / "filled.html").read_text(encoding="utf-8")
 
 
 def changed_joints(before, after):

@@ -27,10 +27,7 @@ TRY = (
     "nothing was changed. Are the up axis (--up) and the joints (`numpy-cae rig`) right? Name what "
     "is damaged (--joint, --frames), or where the motion is from (--from)"
 )
-ANYWAY = (
-    "to repair some of these anyway: write all with --findings found.json, add "
-    '"accept": true to those that are wanted, and pass the file with --mask found.json'
-)
+ANYWAY = 'to repair some anyway: --findings f.json, add "accept": true to them, then --mask f.json'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

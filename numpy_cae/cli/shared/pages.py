@@ -65,17 +65,8 @@ def write_page(
     command = "" if is_fill else command_of(args, source, own)
     actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
     entries = [finding.to_json() for finding in repaired.listed()]
-    save_viewer(
-        actors,
-        target.with_suffix(".html"),
-        motion.rate,
-        title,
-        True,
-        entries,
-        command,
-        said,
-        values,
-    )
+    page = target.with_suffix(".html")
+    save_viewer(actors, page, motion.rate, title, True, entries, command, said, values)
     changed = np.flatnonzero(repaired.touched.any(axis=1)) + len(motion) - len(repaired.motion)
     return strip_svg(actors, changed)
 
