@@ -41,7 +41,9 @@ function movedMost([before, after = before], { joint, frames: [first, last] }) {
 export class FindingsPanel {
   constructor(box, element, { findings, command, motions, frames, rate }, onChosen) {
     Object.assign(this, { element, command, motions, frames, rate, onChosen, kept: new Set() });
-    const proposed = findings.filter(isProposed), found = findings.filter((finding) => !isProposed(finding));
+    const left = findings.filter(({ status }) => status === "left");
+    const proposed = findings.filter((finding) => isProposed(finding) && !left.includes(finding));
+    const found = findings.filter((finding) => !isProposed(finding));
     this.found = found;
     this.rows = [];
     if (command && found.length) {
@@ -51,11 +53,12 @@ export class FindingsPanel {
     }
     this.section(box, found, found.length === 1 ? "1 finding" : `${found.length} findings`);
     this.section(box, proposed, proposed.length === 1 ? "1 proposal, not changed" : `${proposed.length} proposals, not changed`);
+    this.section(box, left, `${left.length} found, left alone`);
     if (this.all) this.sayWhatIsKept();
   }
 
   section(box, findings, title) {
-    if (!findings.length && title[0] === "0" && this.rows.length + this.found.length) return;
+    if (!findings.length) return;
     this.element(box, "h2", { textContent: title });
     const list = this.element(box, "ol");
     findings.forEach((finding, at) => this.row(list, finding, at + 1));
@@ -96,7 +99,7 @@ export class FindingsPanel {
     this.curve(detail, finding, moved);
     if (!this.command) return;
     if (isProposed(finding)) {
-      this.element(detail, "p", { textContent: "To repair it too:" });
+      this.element(detail, "p", { textContent: "For a file in which this alone is repaired:" });
       this.commandLine(detail, proposedCommand(this.command, finding));
       return;
     }
