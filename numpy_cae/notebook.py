@@ -15,9 +15,10 @@ def register() -> None:
 
 def motion_html(motion) -> str:
     """What the motion is, and the viewer with it."""
-    from numpy_cae import show
+    from numpy_cae import viz
 
-    return show(motion, labels=[repr(motion)])._repr_html_()
+    actors = viz.side_by_side([motion], [repr(motion)])
+    return viz.in_notebook(actors, motion.rate)._repr_html_()
 
 
 def repaired_html(repaired) -> str:
