@@ -23,7 +23,7 @@ from tools.slides import deck, slides_of
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
-SLIDERS = {"00", "01", "02", "03", "04", "05", "07b", "08", "09", "10", "11", "12", "14"}
+SLIDERS = {"00", "01", "02", "03", "04", "05", "07b", "08", "09", "10", "11", "12", "13", "14"}
 DRAWS = ("plt.show()", "viz.strip_figure(", "viz.in_notebook(", "viz.slider_figure(")
 LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
 
