@@ -37,7 +37,7 @@ HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]
 CALM_SECONDS = 0.1
 """CALM_SECONDS: steps and speeds are taken over so long before and after a frame (s)."""
 PATH_HERTZ = 2.5
-"""PATH_HERTZ: the root's path is filtered with this cut-off (Hz). It and `feet.SLOW_ON_PATH` were
+"""PATH_HERTZ: the root's path is filtered with this cut-off (Hz). It and `SLOW_ON_PATH` were
 chosen on takes of CMU and synthetic ones whose root was held still (docs/lab_book/evidence.md)."""
 FOLLOWING_SHARE = 0.4
 """FOLLOWING_SHARE: a root follows the feet if its steps are at least this share of the steps with
