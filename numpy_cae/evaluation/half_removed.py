@@ -18,8 +18,8 @@ from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.table import Table
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
+from numpy_cae.manifold.spline import interpolated
 from numpy_cae.training import zero_values
-from numpy_cae.training.interpolation import interpolated
 
 P = 0.5
 """The probability with which a value is removed."""

@@ -165,7 +165,7 @@ def with_error(
 def _with_chains(schedule: Schedule) -> Schedule:
     """The schedule with the chains of joints that the damage of fine tuning needs, if any."""
     fine_tuning = schedule.fine_tuning
-    if fine_tuning.chains or not (fine_tuning.interpolated or fine_tuning.displacement):
+    if fine_tuning.chains or not fine_tuning.displacement:
         return schedule
     return replace(schedule, fine_tuning=replace(fine_tuning, chains=damaged_chains()))
 

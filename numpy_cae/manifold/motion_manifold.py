@@ -24,6 +24,7 @@ from numpy_cae.manifold.shifted_projection import (
     project_shifted,
     zeroed_fraction,
 )
+from numpy_cae.manifold.spline import interpolated
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.features import (
     FEATURES,
@@ -36,7 +37,6 @@ from numpy_cae.motion.features import (
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH
-from numpy_cae.training.interpolation import interpolated
 
 FORMAT = "numpy_cae convolutional manifold 3"
 """FORMAT: the only format that is read; a file of another version has to be made again."""
@@ -175,7 +175,7 @@ class MotionManifold:
             X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
 
         in normalised features. P is the projection, and I is a cubic spline over time, each
-        feature by itself (`training.interpolation.interpolated` has its equation); before the first
+        feature by itself (`manifold.spline.interpolated` has its equation); before the first
         and after the last known value this value is repeated. The
         iteration ends with X_4, or with the first X_{n+1} for which
         ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more step, in which the projection is

@@ -1,70 +1,14 @@
-"""Damage for training that holden2015, which only sets single values to zero, does not have.
+"""Damage as in motion files, stretches in which a chain of joints is wrong, for training.
 
-`interpolate_missing` removes what is to be completed (`manifold.complete`) and interpolates it.
-`damage_stretches` is the damage of motion files: stretches in which a chain of joints is wrong.
+It is not in holden2015, which only sets single values to zero.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.training.interpolation import interpolated
-
 MAX_STRETCH_FRAMES = 80
 """A damaged stretch has at most this many frames."""
-HOLE_FRAMES = (3, 100)
-"""HOLE_FRAMES: a hole has at least and at most so many frames; lengths are log-uniform."""
-REMOVED = (0.2, 0.97)
-"""REMOVED: the bounds of the share of values that is removed from a window."""
-
-
-def interpolate_missing(
-    x: np.ndarray, chains: Sequence[Sequence[int]], rng: np.random.Generator
-) -> np.ndarray:
-    """X_c of windows (B, T, C) in which something is missing and interpolated over time.
-
-    In half of the windows values are removed, each by itself, with a probability from U(`REMOVED`);
-    in the others there are one to three holes, each in a chain of points (`damage_stretches`) or,
-    one in seven, in the whole pose. The points of a chain are interpolated relative to the point
-    before them, as curves through the rotations of a rig do. Half of the windows are then partly
-    corrected, X_c + s (X - X_c) with s ~ U(0, 1), since completing projects what was projected.
-    """
-    share = rng.uniform(*REMOVED, size=(len(x), 1, 1)).astype(x.dtype)
-    known = rng.random(x.shape, dtype=np.float32) >= share
-    holed = rng.random(len(x)) < 0.5
-    known[holed] = True
-    corrupted = interpolated(x, known)
-    for window in np.flatnonzero(holed):
-        for _ in range(rng.integers(1, 4)):
-            _cut_hole(corrupted[window], chains, rng)
-    corrected = rng.random((len(x), 1, 1), dtype=np.float32).astype(x.dtype)
-    corrected[rng.random(len(x)) < 0.5] = 0
-    return corrupted + corrected * (x - corrupted)
-
-
-def _cut_hole(x: np.ndarray, chains: Sequence[Sequence[int]], rng: np.random.Generator) -> None:
-    """Interpolate one hole of a window (T, C) in place."""
-    least, most = HOLE_FRAMES
-    length = min(int(least * (most / least) ** rng.random()), len(x) - 1)
-    start = int(rng.integers(len(x) - length + 1))
-    missing = slice(start, start + length)
-    number = int(rng.integers(len(chains) + max(1, len(chains) // 6)))
-    if number >= len(chains):
-        x[...] = _over(x, missing)
-        return
-    base, *points = chains[number]
-    relative = np.diff([x[:, point : point + 3] for point in (base, *points)], axis=0)
-    at = x[:, base : base + 3]
-    for point, values in zip(points, relative, strict=True):
-        at = at + _over(values, missing)
-        x[missing, point : point + 3] = at[missing]
-
-
-def _over(x: np.ndarray, missing: slice) -> np.ndarray:
-    """Values (T, C) interpolated over missing frames."""
-    known = np.ones((1, *x.shape), dtype=bool)
-    known[:, missing] = False
-    return interpolated(x[None], known)[0]
 
 
 def damage_stretches(

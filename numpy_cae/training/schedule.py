@@ -33,9 +33,8 @@ class Stage:
     norm: float | None = None  # bound on the gradient's norm; the paper has none
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
-    interpolated: float = 0.0  # share of windows that `interpolate_missing` damages instead
     displacement: float = 0.0  # `size` of `damage_stretches`, which is not used where it is 0
-    chains: tuple[tuple[int, ...], ...] = ()  # of both; `learn_manifold` sets those of the limbs
+    chains: tuple[tuple[int, ...], ...] = ()  # of that damage; `learn_manifold` sets them
     noise: float = 0.0  # largest standard deviation of the noise that is added to a window
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
 from numpy_cae.training.adam import Adam
-from numpy_cae.training.damage import damage_stretches, interpolate_missing
+from numpy_cae.training.damage import damage_stretches
 from numpy_cae.training.schedule import SequenceSchedule, Stage
 from numpy_cae.training.sgd import Sgd, clip_norm
 
@@ -87,8 +87,7 @@ def corrupted_copy(x: np.ndarray, stage: Stage, rng: np.random.Generator) -> np.
 
     `stage.zeroed` is p, or the two numbers between which each window's p is drawn; below 1 if
     `stage.rescaled`. Zeroing values with probability p multiplies their expected sum by 1 - p.
-    Dividing by 1 - p restores the sum for every p, so the filters are not fitted to one p. A share
-    `stage.interpolated` of the windows gets the damage of `interpolate_missing` instead.
+    Dividing by 1 - p restores the sum for every p, so the filters are not fitted to one p.
     """
     p: float | np.ndarray
     if isinstance(stage.zeroed, tuple):
@@ -103,9 +102,6 @@ def corrupted_copy(x: np.ndarray, stage: Stage, rng: np.random.Generator) -> np.
     if stage.noise:
         deviation = stage.noise * rng.random((len(x), 1, 1), dtype=x.dtype)
         corrupted = corrupted + deviation * rng.standard_normal(x.shape, dtype=x.dtype)
-    if stage.interpolated:
-        instead = rng.random(len(x)) < stage.interpolated
-        corrupted[instead] = interpolate_missing(x[instead], stage.chains, rng)
     return corrupted
 
 

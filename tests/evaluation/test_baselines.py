@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from numpy_cae.evaluation import PCA, gaussian
 from numpy_cae.evaluation.gaussian import Gaussian, contexts, filtered
 from numpy_cae.evaluation.half_removed import by_column
-from numpy_cae.training.interpolation import interpolated
+from numpy_cae.manifold.spline import interpolated
 
 
 @pytest.mark.parametrize("shape", [(400, 63), (60, 300)])

@@ -6,12 +6,7 @@ import pytest
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.motion import JOINTS
 from numpy_cae.training import Stage
-from numpy_cae.training.damage import (
-    MAX_STRETCH_FRAMES,
-    _damage,
-    damage_stretches,
-    interpolate_missing,
-)
+from numpy_cae.training.damage import MAX_STRETCH_FRAMES, _damage, damage_stretches
 from numpy_cae.training.step import corrupted_copy
 
 X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
@@ -122,18 +117,3 @@ def test_a_share_p_is_zeroed_and_the_others_are_kept_or_divided_by_1_minus_p(zer
 def test_a_probability_above_one_is_an_error(p):
     with pytest.raises(ValueError, match="expected a probability"):
         corrupted_copy(X, Stage(zeroed=p), np.random.default_rng(0))
-
-
-def test_interpolated_holes_change_a_part_of_each_window_and_keep_what_does_not_move():
-    rng = np.random.default_rng(0)
-    x = np.cumsum(rng.normal(size=(200, 160, 12)), axis=1).astype(np.float32)
-    x[..., 6:9] = x[:, :1, 6:9]
-    damaged = interpolate_missing(x, ((0, 3, 6), (3, 9)), rng)
-    assert damaged.dtype == np.float32 and np.isfinite(damaged).all()
-    changed = np.abs(damaged - x) > 1e-3
-    shares = changed.mean(axis=(1, 2))
-    assert 0.2 < np.mean(shares < 0.15) < 0.8 and shares.max() < 0.98
-    holed = shares < 0.15  # the point 3 is removed with 6, which is carried along with its base
-    assert changed[holed][..., 3:6].any() and changed[holed][..., 9:].any()
-    assert not changed[:, [0, -1]].all(axis=(1, 2)).any()
-    np.testing.assert_array_equal(interpolate_missing(x[:, :1] * 0, (), rng), x[:, :1] * 0)
