@@ -23,7 +23,6 @@ from tools.slides import deck, slides_of
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
-SLIDERS = {"00", "01", "02", "03", "04", "05", "07b", "08", "09", "10", "11", "12", "13", "14"}
 DRAWS = ("plt.show()", "viz.strip_figure(", "viz.in_notebook(", "viz.slider_figure(")
 LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
 
@@ -114,7 +113,7 @@ def test_long_plots_are_folded_and_what_prose_explains_can_be_tried_by_hand(path
             folded = cell["metadata"].get("jupyter", {}).get("source_hidden")
             assert folded or cell["source"].count("\n") < 12, cell["source"]
     figures = [shown(cell, "text/plain") for cell in code]
-    assert (number_of(path) in SLIDERS) == any("figure with sliders" in text for text in figures)
+    assert any("figure with sliders" in text for text in figures)
     assert "Predict, then run" in path.read_text(encoding="utf-8")
     assert "functions are yours" in "".join(code[-1]["outputs"][0]["text"])
 
