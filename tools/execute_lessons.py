@@ -22,7 +22,10 @@ from numpy_cae.course.mine import EMPTY, FILE, with_definitions
 from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 from numpy_cae.verify.grading.submission import is_exercise
 
-LESSONS = Path(__file__).parents[1] / "lessons"
+ROOT = Path(__file__).parents[1]
+LESSONS = ROOT / "lessons"
+IMPORTED = ("numpy_cae", "data_synth")
+NOT_IMPORTED = [ROOT / "numpy_cae" / name for name in ("cli", "download", "course/notebooks")]
 SECONDS_A_CELL = 1800
 
 
@@ -30,6 +33,21 @@ def source_hash(notebook: dict) -> str:
     """A hash of the source of all code cells, which is stored with the outputs."""
     sources = [cell["source"] for cell in notebook["cells"] if cell["cell_type"] == "code"]
     return hashlib.sha256("\0".join(sources).encode()).hexdigest()
+
+
+def imports_hash(path: Path) -> str:
+    """A hash of all that the execution of a lesson depends on, beside its own cells.
+
+    These are the files of both packages, without the commands and the students' copies, and the
+    solutions of the lessons before. The hash is stored with the outputs: where it is the same, the
+    stored outputs are those of the present code, and the lesson need not be executed again.
+    """
+    digest = hashlib.sha256(mine_before(path).encode())
+    for file in sorted(file for name in IMPORTED for file in ROOT.joinpath(name).rglob("*.*")):
+        left_out = any(file.is_relative_to(folder) for folder in NOT_IMPORTED)
+        if file.is_file() and file.suffix != ".pyc" and not left_out:
+            digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
+    return digest.hexdigest()
 
 
 def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
@@ -111,6 +129,7 @@ def store(path: Path, executed: bool) -> None:
     set_points(notebook)
     if executed:
         notebook = execute(notebook, mine_before(path))
+        notebook["metadata"]["numpy_cae"]["imports_hash"] = imports_hash(path)
         print(f"{path}: executed")
     write_notebook(notebook, path)
     write_notebook(student_copy(notebook), PACKAGED / path.name)
