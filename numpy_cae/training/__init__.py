@@ -1,7 +1,8 @@
 """Training of both networks, holden2015's and jang2018's.
 
-Read `step` first, one step of each network, then the loops in `layerwise` and `sequential`. Both
-loops keep a `TrainingState`, which `checkpoint` saves and `report` functions are given.
+Read `step` first, one step of each network, then `layerwise` and `sequential`, whose loop over
+epochs and batches is `TrainingState.steps_of`. `checkpoint` saves this state, and `report`
+functions are given it.
 """
 
 from numpy_cae.training.adam import Adam

@@ -17,7 +17,7 @@ from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays
 from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.training.state import History, TrainingState
 
-FORMAT = "numpy_cae checkpoint 4"
+FORMAT = "numpy_cae checkpoint 5"
 POSITION = ("stage", "epoch", "step", "total")
 
 
@@ -51,6 +51,7 @@ class Checkpoint:
         Raises CheckpointError if the file is of another run or damaged.
         """
         self.run = run
+        state.save = self.save_when_due
         state.saved = self.status
         self.require_none_unless_resumed()
         if not self.path.exists():
@@ -70,7 +71,7 @@ class Checkpoint:
         state.history = History(about["losses"], about["seconds"])
         state.rng.bit_generator.state = about["rng"]
         state.order = arrays["order"]
-        # The stage does not have its optimiser yet: `begin_stage` restores that.
+        # The stage does not have its optimiser yet: `steps_of` restores that.
         state.restored = {name.removeprefix("array "): array for name, array in arrays.items()}
         for name, weight in state.weights.items():
             weight[...] = state.restored[name]

@@ -11,9 +11,9 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.schedule import Schedule, learning_rates
+from numpy_cae.training.schedule import Schedule
 from numpy_cae.training.state import History, TrainingState
-from numpy_cae.training.step import denoising_step, drawn_inputs, make_optimiser
+from numpy_cae.training.step import denoising_step, drawn_inputs
 
 
 def train_autoencoder(
@@ -70,42 +70,27 @@ def train_autoencoder(
     if checkpoint is not None:
         settings = schedule, [layer.bound for layer in model.layers], state.rng.bit_generator.state
         checkpoint.load_into(state, fingerprint([*state.weights.values(), windows], *settings))
-    for _ in autoencoder_steps(model, windows, schedule, state, checkpoint):
+    for _ in autoencoder_steps(model, windows, schedule, state):
         if report is not None:
             report(state)
     return state.history
 
 
 def autoencoder_steps(
-    model: ConvAutoencoder,
-    windows: np.ndarray,
-    schedule: Schedule,
-    state: TrainingState,
-    checkpoint: Checkpoint | None = None,
+    model: ConvAutoencoder, windows: np.ndarray, schedule: Schedule, state: TrainingState
 ) -> Iterator[None]:
     """Train from `state` on, and yield after every step: the loop of `train_autoencoder`."""
-    rng = state.rng
     for name, number, stage in schedule.stages(len(model.layers))[state.stage :]:
         layer = None if number is None else model.layers[number]
         x = hidden_below(model, windows, number) if number else windows
-        optimiser = make_optimiser(stage, (layer or model).parameters)
-        steps = -(-len(x) // stage.batch)
-        rates = learning_rates(stage, steps)
-        state.begin_stage(name, optimiser, stage.epochs, steps, len(x))
-        for epoch in range(state.epoch, stage.epochs):
-            if state.step == 0:
-                state.order = rng.permutation(len(x))
-            for step in range(state.step, steps):
-                batch = x[state.order[step * stage.batch : (step + 1) * stage.batch]]
-                rate = rates[epoch * steps + step]
-                drawn = drawn_inputs(batch, layer, stage, rng)
-                loss = denoising_step(model, batch, *drawn, stage, rate, optimiser, number)
-                state.require_finite(loss, batch, rate)
-                state.end_step(loss, len(batch))
-                yield
-                if checkpoint is not None:
-                    checkpoint.save_when_due(state)
-        state.end_stage()
+        for step, rate in state.steps_of(name, stage, (layer or model).parameters, len(x)):
+            if step == 0:
+                state.order = state.rng.permutation(len(x))
+            batch = x[state.order[step * stage.batch : (step + 1) * stage.batch]]
+            drawn = drawn_inputs(batch, layer, stage, state.rng)
+            loss = denoising_step(model, batch, *drawn, stage, rate, state.optimiser, number)
+            state.end_step(loss, batch, rate)
+            yield
 
 
 def hidden_below(model: ConvAutoencoder, windows: np.ndarray, layer: int) -> np.ndarray:

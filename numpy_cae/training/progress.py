@@ -16,16 +16,14 @@ class ProgressPrinter:
 
     The lines go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left".
     In a terminal a stage has one short line, which renews itself. An error on held-out takes is
-    printed where there is one in the history. `training` is the name of the training, with which
-    each line begins, where there are several.
+    printed where there is one in the history.
 
     Examples
     --------
     >>> printer = ProgressPrinter()  # train_autoencoder(model, windows, report=printer)
     """
 
-    def __init__(self, training: str = "") -> None:
-        self.training = training and f"{training}: "
+    def __init__(self) -> None:
         self.printed = time.monotonic()
         self.columns = shutil.get_terminal_size().columns - 1 if sys.stderr.isatty() else 0
 
@@ -44,7 +42,7 @@ class ProgressPrinter:
         times = f"{left:.0f} s left"
         if not self.columns:  # one line of a terminal is short
             times = f"{elapsed:.0f} s elapsed, {times}"
-        line = f"{self.training}{state.name}, epoch {done}, {times}"
+        line = f"{state.name}, epoch {done}, {times}"
         if self.columns:
             is_last = state.epoch == state.epochs
             line = "\r" + line[: self.columns].ljust(self.columns) + "\n" * is_last

@@ -227,9 +227,3 @@ def rate_at(stage: Stage | SequenceSchedule, epoch: int, step: int, steps: int) 
     if stage.rate_schedule == "one-cycle":
         return one_cycle(stage.rate, (epoch * steps + step) / (stage.epochs * steps))
     return decayed_rate(stage.rate, stage.decay, epoch)
-
-
-def learning_rates(stage: Stage | SequenceSchedule, steps: int) -> list[float]:
-    """`rate_at` for every step of a stage, one epoch of `steps` after another."""
-    counted = range(stage.epochs * steps)
-    return [rate_at(stage, done // steps, done % steps, steps) for done in counted]

@@ -7,9 +7,9 @@ import numpy as np
 
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.schedule import SequenceSchedule, learning_rates
+from numpy_cae.training.schedule import SequenceSchedule
 from numpy_cae.training.state import History, TrainingState
-from numpy_cae.training.step import make_optimiser, sequence_step
+from numpy_cae.training.step import sequence_step
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]
 """Takes a generator and a number B, and returns B clips (B, T, features), others at each call."""
@@ -64,35 +64,22 @@ def train_sequential(
         # A copy draws, so that a run with a checkpoint draws the same as one without.
         data = [*model.weights.values(), draw(deepcopy(state.rng), schedule.batch)]
         checkpoint.load_into(state, fingerprint(data, schedule, state.rng.bit_generator.state))
-    for _ in sequential_steps(model, draw, schedule, state, checkpoint):
+    for _ in sequential_steps(model, draw, schedule, state):
         if report is not None:
             report(state)
     return state.history
 
 
 def sequential_steps(
-    model: SequentialAutoencoder,
-    draw: Draw,
-    schedule: SequenceSchedule,
-    state: TrainingState,
-    checkpoint: Checkpoint | None = None,
+    model: SequentialAutoencoder, draw: Draw, schedule: SequenceSchedule, state: TrainingState
 ) -> Iterator[None]:
     """Train from `state` on, and yield after every step: the loop of `train_sequential`."""
-    optimiser = make_optimiser(schedule, model.weights)
-    steps = schedule.steps
-    rates = learning_rates(schedule, steps)
-    # A step counts as one example, so the loss of an epoch is the mean over its steps.
-    state.begin_stage("sequences", optimiser, schedule.epochs, steps, examples=steps)
+    clips_an_epoch = schedule.steps * schedule.batch
     terms = state.history.losses
-    for epoch in range(state.epoch, schedule.epochs):
-        for step in range(state.step, steps):
-            clips = draw(state.rng, schedule.batch)
-            rate = rates[epoch * steps + step]
-            losses = sequence_step(model, clips, schedule, rate, state.rng, optimiser)
-            state.require_finite(losses.total, clips, rate)
-            terms.setdefault("reconstruction", []).append(losses.reconstruction)
-            terms.setdefault("discrepancy", []).append(losses.discrepancy)
-            state.end_step(losses.total, examples=1)
-            yield
-            if checkpoint is not None:
-                checkpoint.save_when_due(state)
+    for _, rate in state.steps_of("sequences", schedule, model.weights, clips_an_epoch):
+        clips = draw(state.rng, schedule.batch)
+        losses = sequence_step(model, clips, schedule, rate, state.rng, state.optimiser)
+        terms.setdefault("reconstruction", []).append(losses.reconstruction)
+        terms.setdefault("discrepancy", []).append(losses.discrepancy)
+        state.end_step(losses.total, clips, rate)
+        yield

@@ -1,13 +1,14 @@
 """Where a training stands, and what it has measured."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.training.adam import Adam
+from numpy_cae.training.schedule import SequenceSchedule, Stage, rate_at
 from numpy_cae.training.sgd import Sgd
 
 HELD_OUT = "held-out error, cm"
@@ -39,7 +40,9 @@ class History:
 
 @dataclass
 class TrainingState:
-    """Everything that the rest of a training depends on; a `Checkpoint` saves and loads it.
+    """Everything that the rest of a training depends on, and its loop over epochs and batches.
+
+    A `Checkpoint` saves and loads the state.
 
     A function `report` gets the state after every step. `epoch` and `step` count what is done, so
     `step` is 0 after the last step of an epoch, whose mean loss is then the last of
@@ -48,11 +51,12 @@ class TrainingState:
     Examples
     --------
     >>> state = TrainingState({"w": np.zeros(3)}, np.random.default_rng(0))
-    >>> state.begin_stage("layer 1", Sgd(state.weights), epochs=2, steps=2, examples=3)
-    >>> state.end_step(loss=1.0, examples=2)
-    >>> state.end_step(loss=4.0, examples=1)
-    >>> state.epoch, state.step, state.history.losses
-    (1, 0, {'layer 1': [2.0]})
+    >>> x, stage = np.ones((3, 8, 5)), Stage(epochs=1, batch=2)
+    >>> for step, rate in state.steps_of("layer 1", stage, state.weights, len(x)):
+    ...     batch = x[2 * step : 2 * step + 2]
+    ...     state.end_step(1.0 if step == 0 else 4.0, batch, rate)
+    >>> state.stage, state.history.losses
+    (1, {'layer 1': [2.0]})
     """
 
     weights: dict[str, np.ndarray]  # all weights of the model, which training changes in place
@@ -71,28 +75,50 @@ class TrainingState:
     steps: int = 0  # steps in an epoch
     examples: int = 0  # examples in an epoch
     loss: float = float("nan")  # loss of the last step
+    save: Callable[["TrainingState"], None] = lambda state: None  # to the checkpoint, when due
     saved: Callable[[], str] = lambda: "there is no checkpoint"  # where the last good state is
     started: float = 0.0  # when the stage would have started without an interruption
 
-    def begin_stage(
-        self, name: str, optimiser: Sgd | Adam, epochs: int, steps: int, examples: int
-    ) -> None:
-        """Begin a stage, or continue the one that a checkpoint has restored."""
-        for part, array in optimiser.state.items():
+    def steps_of(
+        self,
+        name: str,
+        stage: Stage | SequenceSchedule,
+        parameters: dict[str, np.ndarray],
+        examples: int,
+    ) -> Iterator[tuple[int, float]]:
+        """The loop over the epochs and the batches of a stage, of both networks.
+
+        Begins the stage, or continues the one that a checkpoint has restored. Yields the number of
+        each step in its epoch, of which each uses `stage.batch` of the `examples`, and the learning
+        rate. The loop's body takes the step and calls `end_step`.
+        """
+        by_adam = stage.optimiser == "adam"
+        self.optimiser = Adam(parameters) if by_adam else Sgd(parameters, stage.momentum)
+        for part, array in self.optimiser.state.items():
             array[...] = self.restored.get(part, array)
         self.restored = {}
         self.name = name
-        self.optimiser = optimiser
-        self.epochs = epochs
-        self.steps = steps
+        self.epochs = stage.epochs
+        self.steps = -(-examples // stage.batch)
         self.examples = examples
         self.history.losses.setdefault(name, [])
         self.started = time.perf_counter() - self.history.seconds.setdefault(name, 0.0)
+        for epoch in range(self.epoch, stage.epochs):
+            for step in range(self.step, self.steps):
+                yield step, rate_at(stage, epoch, step, self.steps)
+                self.save(self)
+        self.stage += 1
+        self.epoch = 0
 
-    def end_step(self, loss: float, examples: int) -> None:
-        """Count a step with the mean loss of its examples, and the epoch if the step ends it."""
+    def end_step(self, loss: float, x: np.ndarray, rate: float) -> None:
+        """Count a step with the mean loss of the examples x, and the epoch if the step ends it.
+
+        Raises DivergedError if the loss is not finite or, since a finite loss can precede infinite
+        weights, if a weight is not finite at the end of an epoch.
+        """
+        self._require_finite(loss, x, rate)
         self.loss = loss
-        self.total += loss * examples
+        self.total += loss * len(x)
         self.step += 1
         self.history.seconds[self.name] = time.perf_counter() - self.started
         if self.step == self.steps:
@@ -101,17 +127,8 @@ class TrainingState:
             self.step = 0
             self.total = 0.0
 
-    def end_stage(self) -> None:
-        """Count a stage."""
-        self.stage += 1
-        self.epoch = 0
-
-    def require_finite(self, loss: float, x: np.ndarray, rate: float) -> None:
-        """Raise DivergedError if the loss of the step that was made is not finite or, since a
-        finite loss can precede infinite weights, if a weight is not finite at the end of an epoch.
-
-        The message names the first array, from the input x on, that is not finite.
-        """
+    def _require_finite(self, loss: float, x: np.ndarray, rate: float) -> None:
+        """The message names the first array, from the input x on, that is not finite."""
         last = self.step + 1 == self.steps
         if np.isfinite(loss) and not (last and nonfinite(self.weights)):
             return

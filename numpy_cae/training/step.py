@@ -174,10 +174,3 @@ def unit_directions(
     """
     drawn = rng.standard_normal((count, dimensions))
     return (drawn / np.linalg.norm(drawn, axis=1, keepdims=True)).astype(dtype)
-
-
-def make_optimiser(
-    stage: Stage | SequenceSchedule, parameters: dict[str, np.ndarray]
-) -> Sgd | Adam:
-    """A new optimiser for these parameters, the one that the stage names."""
-    return Adam(parameters) if stage.optimiser == "adam" else Sgd(parameters, stage.momentum)

@@ -14,8 +14,9 @@ from numpy_cae.fast import accelerate
 from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Stage
-from numpy_cae.training.schedule import learning_rates
-from numpy_cae.training.step import denoising_step, make_optimiser
+from numpy_cae.training.adam import Adam
+from numpy_cae.training.schedule import rate_at
+from numpy_cae.training.step import denoising_step
 from studies.cmu_protocol.baselines import add_residual, gaussian_process
 from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, Method
 
@@ -76,8 +77,8 @@ def trained(draw: Draw, seed: int) -> Project:
     """Train a `ConvAutoencoder`."""
     rng = np.random.default_rng(seed)
     network = accelerate(ConvAutoencoder(59, FILTERS, TAPS, rng=rng), 1)
-    optimiser = make_optimiser(STAGE, network.parameters)
-    for rate in learning_rates(STAGE, STEPS):
+    optimiser = Adam(network.parameters)
+    for rate in (rate_at(STAGE, 0, step, STEPS) for step in range(STEPS)):
         x, corrupted = draw(rng)
         denoising_step(network, x, corrupted, None, STAGE, rate, optimiser)
 

@@ -232,8 +232,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
     for chosen in ([0], [1], [0, 1]):
         model, x = new_model(Schedule()), WINDOWS[chosen]
         before = model.layers[0].w.copy()
-        optimiser = step.make_optimiser(stage, model.parameters)
-        step.denoising_step(model, x, x, None, stage, 0.1, optimiser)
+        step.denoising_step(model, x, x, None, stage, 0.1, sgd.Sgd(model.parameters))
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 
@@ -269,8 +268,7 @@ def test_a_loss_that_is_not_finite_changes_no_weight(schedule):
 
 def test_weights_are_checked_at_the_end_of_an_epoch():
     state = TrainingState({"w1": np.ones(2), "b1": np.array([np.inf])}, np.random.default_rng(0))
-    state.begin_stage("layer 1", sgd.Sgd({}), epochs=1, steps=2, examples=2)
-    state.require_finite(0.1, WINDOWS, 0.5)
-    state.step = 1
+    next(state.steps_of("layer 1", Stage(epochs=1), {}, 2))
+    state.end_step(0.1, WINDOWS, 0.5)
     with pytest.raises(DivergedError, match=r"step 2: .* at rate 0\.5; not finite: b1; there"):
-        state.require_finite(0.1, WINDOWS, 0.5)
+        state.end_step(0.1, WINDOWS, 0.5)
