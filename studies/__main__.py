@@ -103,8 +103,6 @@ def _write(results: dict[str, Result], folder: Path) -> None:
             save_figure(picture.draw(), folder / f"{name}.png")
             if picture.actors:
                 save_viewer(picture.actors, folder / f"{name}.html", picture.rate)
-            if picture.gif:
-                (folder / f"{name}.gif").write_bytes(picture.gif())
     confirmed = sum(result.confirmed for result in results.values())
     claims = sum(len(result.claims) for result in results.values())
     print(f"{folder / 'report.html'}: {confirmed} of {claims} claims confirmed")

@@ -11,7 +11,6 @@ has the number of axes that is best on the test takes, which favours PCA.
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -29,31 +28,16 @@ from numpy_cae.evaluation.half_removed import (
     Repairs,
 )
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.motion.features import local_positions
-from numpy_cae.motion.joints import PARENTS
 from numpy_cae.training import zero_values
-from numpy_cae.viz import (
-    CORRUPTED,
-    OTHERS,
-    PLAIN,
-    PROJECTED,
-    Actor,
-    Curve,
-    curves_figure,
-    strip_figure,
-)
+from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, Curve, curves_figure
 from studies.shared.clips import testing_of
 from studies.shared.material import Material
-from studies.shared.moving import gif
 from studies.shared.result import Claim, Picture, Result, Table
 
 PS = (0.1, 0.3, P, 0.7, 0.9)
 WINDOWS = 60
 """WINDOWS: at most this many windows are repaired, since the Gaussian takes a tenth of a second for
 each."""
-MOVING = {NETWORK: PLAIN, SPLINE: CORRUPTED, GAUSSIAN: OTHERS[0], COMPLETED: PROJECTED}
-STEP = 2
-"""STEP: every second frame moves in the picture of the completions."""
 Errors = dict[str, np.ndarray]
 """Method to its errors in cm, one for each p and each seed."""
 
@@ -82,22 +66,6 @@ def swept(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[in
             for method, _, repaired in repairs.of(test, damaged, p):
                 errors[method].append(test.error(repaired))
     return {name: np.reshape(each, (len(ps), -1)) for name, each in errors.items()}
-
-
-def completions(repairs: Repairs, test: Clips, ps: Sequence[float], seed: int) -> Picture:
-    """One window in which values are removed with each p, by each of `MOVING`, moving."""
-    manifold = repairs.manifold
-    one = test.evenly(3)
-    one = replace(one, x=one.x[1:2], real=one.real[1:2])
-    actors = []
-    for p in ps:
-        damaged = zero_values(one.x, p, np.random.default_rng(seed))
-        made = {name: x for name, _, x in repairs.of(one, damaged, p)}
-        for name, colour in MOVING.items():
-            points = local_positions(manifold.denormalise(made[name][0]))[::STEP]
-            actors.append(Actor(points, PARENTS, f"{name}, p = {p}", colour))
-    rate = manifold.rate / STEP
-    return Picture(lambda: strip_figure(actors, rate), actors, rate, lambda: gif(actors, rate))
 
 
 def _claims(at: dict[str, float]) -> list[Claim]:

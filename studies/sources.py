@@ -10,8 +10,6 @@ by what they are given, as in `numpy_cae.evaluation.half_removed`: the zeros as 
 "mask:" on, which values are missing. PCA has the number of axes that is best on the windows it is
 tested on, which favours PCA; the linear map is fitted for each p.
 
-The picture of each source that was left out has one window, completed by four methods, moving.
-
     python -m studies sources --data bandai cmu/asfamc motions
 """
 
@@ -26,7 +24,7 @@ from numpy_cae.evaluation.half_removed import COMPLETED, GAUSSIAN, PCHIP, Repair
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import load_body
 from numpy_cae.training import recipe
-from studies.repair_sweep import WINDOWS, Errors, completions, swept
+from studies.repair_sweep import WINDOWS, Errors, swept
 from studies.shared.result import Claim, Result, Table
 
 RECIPE = "fast"
@@ -47,18 +45,15 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
     takes = {Path(folder).resolve().name: _takes_of(folder) for folder in folders}
     tables = []
     claims = []
-    figures = {}
     for name, own in takes.items():
         others = [take for other, each in takes.items() if other != name for take in each]
-        repairs, test = _fitted(others, own, seed)
-        errors = swept(repairs, test, PS, range(seed, seed + SEEDS))
-        figures[name] = completions(repairs, test, PS, seed)
+        errors = swept(*_fitted(others, own, seed), PS, range(seed, seed + SEEDS))
         claims.append(_claim(name, errors))
         tables.append(_table(f"{name}, {LEFT_OUT}", errors))
         earlier = [take for number, take in enumerate(own) if number % FIFTH]
         errors = swept(*_fitted(earlier, own[::FIFTH], seed), PS, range(seed, seed + SEEDS))
         tables.append(_table(f"{name}, {SAME}", errors))
-    return Result("A source that was not in training", tables, claims, figures)
+    return Result("A source that was not in training", tables, claims)
 
 
 def _takes_of(folder: str | Path) -> list[np.ndarray]:

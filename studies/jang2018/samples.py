@@ -19,7 +19,6 @@ from numpy_cae.evaluation.table import Table
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
 from studies.jang2018.training import CLIPS, Study
-from studies.shared.moving import gif
 from studies.shared.result import Claim, Picture, Result
 
 SHOWN_IN_PAPER = 16
@@ -59,7 +58,7 @@ def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Picture:
     ]
     rate = study.manifold.rate
     shown = actors if source == FITTED else []
-    return Picture(lambda: strip_figure(actors, rate), shown, rate, lambda: gif(actors, rate))
+    return Picture(lambda: strip_figure(actors, rate), shown, rate)
 
 
 def samples(studies: Sequence[Study], seed: int = 0) -> Result:

@@ -65,13 +65,11 @@ class Claim:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of a result, which is drawn when it is requested, motions for the viewer, and the
-    bytes of a GIF, made when they are requested."""
+    """A figure of a result, which is drawn when it is requested, and motions for the viewer."""
 
     draw: Callable[[], Figure]
     actors: Sequence[Actor] = ()
     rate: float = 0.0
-    gif: Callable[[], bytes] | None = None
 
 
 def moving(motions: Motions, rate: float, azimuth: float = 40.0) -> Picture:

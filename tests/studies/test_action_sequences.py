@@ -61,7 +61,7 @@ def test_figure_2_tests_the_trend(studies):
 def test_figure_3_draws_samples_of_each_source(studies):
     for source in (FITTED, PRIOR, REAL):
         result = samples.figure_3(studies[0], source=source)
-    assert len(png(result)) > 10_000 and len(result.gif()) > 10_000
+    assert len(png(result)) > 10_000
     z = samples.fitted_latents(studies[0], 4000, 0)
     encoded = studies[0].manifold.network.encode(studies[0].random_clips(1000, 0))
     assert np.allclose(np.cov(z, rowvar=False), np.cov(encoded, rowvar=False), atol=0.05)

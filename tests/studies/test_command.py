@@ -102,5 +102,5 @@ def test_the_study_of_sequences_has_claims_pictures_and_models(
     assert f"{action}, none, λ = 0: sequences, epoch 1/1" in printed.err
     assert len(re.findall("^(not )?confirmed: .* Measured: ", printed.out, re.MULTILINE)) > 3
     assert page.count("confirmed</span>") > printed.out.count("confirmed:")  # and in the summary
-    drawn = {f"{action}_fitted.{ending}" for ending in ("png", "html", "gif")}
+    drawn = {f"{action}_fitted.{ending}" for ending in ("png", "html")}
     assert {"figure_2.png", *drawn} <= {path.name for path in out.iterdir()}

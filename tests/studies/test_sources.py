@@ -3,7 +3,6 @@
 import numpy as np
 
 from data_synth import plan_takes, write_series
-from numpy_cae.evaluation.half_removed import COMPLETED
 from numpy_cae.training import Schedule, Stage
 from studies import sources
 
@@ -23,5 +22,3 @@ def test_each_folder_is_left_out_once(tmp_path, monkeypatch):
         assert len(set(means.pop("the mean pose"))) == 1 and len(means) == 10
         assert np.all(np.diff(list(means.values()), axis=1) > 0)
     assert [claim.of for claim in result.claims] == ["walk", "squats"]
-    labels = [actor.label for actor in result.figures["walk"].actors]
-    assert labels[3] == f"{COMPLETED}, p = 0.5" and len(labels) == 12
