@@ -11,7 +11,7 @@ between two jumps (`displaced`), or leaves the cubic through the frames around i
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion, Skeleton
+from numpy_cae.motion.motion import RATE, Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
 from numpy_cae.repair.finding import joint_names
 
@@ -157,6 +157,12 @@ def usual_body(motion: Motion) -> np.ndarray:
 
     What is judged by these metres is judged alike for characters of any size."""
     return body_positions(motion) / body_size(motion)
+
+
+def at_about_thirty(motion: Motion) -> tuple[Motion, int]:
+    """Every n-th frame of a motion, about thirty a second, and n."""
+    step = max(1, round(motion.rate / RATE))
+    return replace(motion.at(slice(None, None, step)), rate=motion.rate / step), step
 
 
 def sliding(motion: Motion) -> float:

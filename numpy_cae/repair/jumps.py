@@ -23,10 +23,9 @@ from numpy_cae.motion.filters import (
 )
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.masks import runs, with_margin
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import slerp
-from numpy_cae.repair.chunks import at_about_thirty, changed_around, chunks
-from numpy_cae.repair.curves import body_size, curves_of, off_cubic
+from numpy_cae.repair.curves import at_about_thirty, body_size, curves_of, off_cubic
 from numpy_cae.repair.finding import BODY, Finding
 
 OFF_MEDIAN_METRES = 0.08
@@ -109,13 +108,15 @@ def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = Non
     source = motion if source is None else source
     margin = round(AROUND_SECONDS * motion.rate)
     for _ in range(ROUNDS if len(motion) >= LEAST_FRAMES else 0):
-        some = np.asarray(jumps.any(axis=1))
-
-        def filtered(frames: slice, now=motion, before=source, where=jumps) -> Motion:
-            return _filtered_around(now.at(frames), where[frames], before.at(frames))
-
-        motion = source = changed_around(motion, some, margin, LEAST_FRAMES, filtered)
-        near = with_margin(some[:, None], margin)[:, 0]
+        near = with_margin(jumps.any(axis=1)[:, None], margin)[:, 0]
+        rotations = motion.rotations.copy()
+        translations = motion.translations.copy()
+        for first, end in runs(near).tolist():  # the filtered curves of an hour take 0.75 GB
+            part = slice(first, max(end, min(first + LEAST_FRAMES, len(motion))))
+            filtered = _filtered_around(motion.at(part), jumps[part], source.at(part))
+            rotations[part] = filtered.rotations
+            translations[part] = filtered.translations
+        motion = source = replace(motion, rotations=rotations, translations=translations)
         beside = with_margin(jumps, round(BLENDED_SECONDS * motion.rate))
         jumps = jumping_steps(motion, np.flatnonzero(near[:-1])) & beside
         if not jumps.any():
@@ -155,9 +156,10 @@ def _steps_that(
     found = np.zeros((len(motion), len(JOINTS)), bool)
     joints = rig_of(motion).joints
     size = body_size(motion)
-    for part, around in chunks(np.arange(len(motion) - 1) if frames is None else frames, 5):
-        steps = do(motion.at(around).positions(joints) / size)
-        found[part] = steps[part - around.start]
+    for part in blocks(np.arange(len(motion) - 1) if frames is None else frames):
+        first = max(int(part[0]) - 5, 0)
+        steps = do(motion.at(slice(first, int(part[-1]) + 6)).positions(joints) / size)
+        found[part] = steps[part - first]
     return found
 
 

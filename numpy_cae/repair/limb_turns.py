@@ -32,7 +32,7 @@ from numpy_cae.motion.hole_curves import rotations_over_holes
 from numpy_cae.motion.joints import JOINTS, LIMBS, joint_mask
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
-from numpy_cae.repair.chunks import at_about_thirty
+from numpy_cae.repair.curves import at_about_thirty
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.holes import Holes
 

@@ -11,9 +11,8 @@ import numpy as np
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import runs
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import rotate
-from numpy_cae.repair.chunks import chunks
 from numpy_cae.repair.curves import LEAST_LEVER_METRES, sliding
 from numpy_cae.repair.finding import STATUSES, Finding, is_path
 from numpy_cae.repair.interpolated import missing_joints, with_finite_values
@@ -152,7 +151,7 @@ def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndar
     changed = np.any(before.rotations != after.rotations, axis=(1, 2))
     changed |= np.any(before.translations != after.translations, axis=(1, 2))
     moved = np.zeros((len(after), len(joints)))
-    for frames, _ in chunks(np.flatnonzero(changed)):
+    for frames in blocks(np.flatnonzero(changed)):
         distance = _distance(before.at(frames), after.at(frames), joints[0] if from_hips else None)
         for joint, of in enumerate(followed):
             moved[frames, of] = np.maximum(moved[frames, of], distance[:, joint])
