@@ -136,20 +136,27 @@ def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np
     rotation.
     """
     changed = rotations.copy()
-    for first, end in runs(damaged):
-        inside = rotations[first:end]
-        # [1::-1]: the first two frames after the stretch, in reverse order.
-        before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
-        ends = ((inside[0], before), (inside[-1], after))
-        corrections = [to_vector(product(inverse(now), to)) for now, to in ends if to is not None]
-        if len(corrections) == 2 and end - first <= SHORT_SECONDS * rate:
+    for first, end in runs(damaged).tolist():
+        if end - first <= SHORT_SECONDS * rate and first > 0 and end < len(rotations):
             share = np.arange(1, end - first + 1) / (end - first + 1)
             changed[first:end] = slerp(rotations[first - 1], rotations[end], share)
-        elif corrections:
-            share = np.linspace(0, 1, end - first)[:, None]
-            applied = from_vector((1 - share) * corrections[0] + share * corrections[-1])
-            changed[first:end] = product(inside, applied)
+        else:
+            changed[first:end] = rejoined(rotations, first, end)
     return changed
+
+
+def rejoined(rotations: np.ndarray, first: int, end: int) -> np.ndarray:
+    """The rotations (F, 4) of some frames, turned to continue those outside: R'_t of
+    `without_seams`. Where one end is that of the file, the other end's correction is for all."""
+    inside = rotations[first:end]
+    # [1::-1]: the first two frames after the stretch, in reverse order.
+    before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
+    ends = ((inside[0], before), (inside[-1], after))
+    corrections = [to_vector(product(inverse(now), to)) for now, to in ends if to is not None]
+    if not corrections:
+        return inside
+    share = np.linspace(0, 1, end - first)[:, None]
+    return product(inside, from_vector((1 - share) * corrections[0] + share * corrections[-1]))
 
 
 def _continued(last: np.ndarray) -> np.ndarray | None:

@@ -22,9 +22,10 @@ from typing import Any
 
 import numpy as np
 
+from numpy_cae.motion.hole_curves import rejoined
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
-from numpy_cae.motion.quaternions import angle, inverse, product, slerp
+from numpy_cae.motion.quaternions import angle, inverse, product
 from numpy_cae.repair.curves import FASTEST_TURN, Curve, Segment, curves_of, jumps_of, least_jump
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.interpolated import interpolate_channels
@@ -180,7 +181,7 @@ def _least(curve: Curve, degrees: float = LEAST_TURN_DEGREES) -> float:
 def _closes(curve: Curve, segment: Segment) -> bool:
     """Whether the step out of a segment undoes the step into it, and these are large."""
     size = min(_size(curve, segment.first), _size(curve, segment.end))
-    if size <= _least(curve) or min(_left(curve, segment)) >= CLOSING_SHARE * size:
+    if size <= _least(curve) or min(_remaining(curve, segment)) >= CLOSING_SHARE * size:
         return False
     within = curve.steps(slice(segment.first, segment.end)).max(initial=0.0)
     return bool(within < CALM_SHARE * size)
@@ -201,7 +202,7 @@ def _returns(curve: Curve, segment: Segment) -> bool:
     return bool((opposite and not curve.is_root) or left < CLOSING_SHARE * smaller)
 
 
-def _left(curve: Curve, segment: Segment) -> list[float]:
+def _remaining(curve: Curve, segment: Segment) -> list[float]:
     """What is left of the two jumps, in metres: in the joint's own frame, and for rotations in its
     parent's (the inverse rotations)."""
     x = curve.values[[segment.first - 1, segment.first, segment.end - 1, segment.end]]
@@ -216,33 +217,18 @@ def _left(curve: Curve, segment: Segment) -> list[float]:
 
 def _undone(curve: Curve, frames: slice) -> np.ndarray:
     """The values of some frames with their displacement undone."""
+    x = curve.values
     first, end = frames.start, frames.stop
-    one_sided = end == len(curve.values) or not first
-    segment = Segment(first, end, 0.0)
-    in_parent = not one_sided and np.argmin(_left(curve, segment)) == 1
-    x = inverse(curve.values) if in_parent else curve.values
     inside = x[first:end]
+    if curve.is_rotation:
+        has_ends = 0 < first and end < len(x)
+        if has_ends and np.argmin(_remaining(curve, Segment(first, end, 0.0))) == 1:
+            return inverse(rejoined(inverse(x), first, end))
+        return rejoined(x, first, end)
     corrections = []
     if first:
-        before = x[max(first - 2, 0) : first]
-        corrections.append(_correction(curve, inside[0], before[-1], before[0]))
+        corrections.append(2 * x[first - 1] - x[max(first - 2, 0)] - inside[0])
     if end < len(x):
-        after = x[end : end + 2]
-        corrections.append(_correction(curve, inside[-1], after[0], after[-1]))
-    share = np.linspace(0.0, 1.0, len(inside))
-    if not curve.is_rotation:
-        share = share[:, None]
-        return inside + (1 - share) * corrections[0] + share * corrections[-1]
-    rotations = product(inside, slerp(corrections[0], corrections[-1], share))
-    return inverse(rotations) if in_parent else rotations
-
-
-def _correction(
-    curve: Curve, value: np.ndarray, nearest: np.ndarray, second: np.ndarray
-) -> np.ndarray:
-    """The change from a value at the end of a segment to where the two values next to it, the
-    nearest and the second one, lead."""
-    if not curve.is_rotation:
-        return 2 * nearest - second - value
-    continued = product(product(nearest, inverse(second)), nearest)
-    return product(inverse(value), continued)
+        corrections.append(2 * x[end] - x[min(end + 1, len(x) - 1)] - inside[-1])
+    share = np.linspace(0.0, 1.0, len(inside))[:, None]
+    return inside + (1 - share) * corrections[0] + share * corrections[-1]

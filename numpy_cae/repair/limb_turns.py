@@ -220,6 +220,8 @@ def _alternatives(motion: Motion, name: str) -> Iterator[list[Turn]]:
 
 def _turns(q: np.ndarray, rate: float) -> Iterator[Turn]:
     """All pairs of fast changes of a rotation (F, 4) that undo each other."""
+    if len(q) <= LAGS_SECONDS.max() * rate + 2:  # a short file
+        return
     for in_parent in (False, True):
         begins, lags, changes, ratios = _fast_changes(q, rate, in_parent)
         sizes = np.linalg.norm(changes, axis=1)
@@ -246,8 +248,6 @@ def _fast_changes(
     the changes, and their ratios to a usual change."""
     found = []
     for lag in np.unique(np.maximum(np.round(LAGS_SECONDS * rate), 1).astype(int)).tolist():
-        if len(q) <= lag + 2:
-            continue
         change = _between(q[:-lag], q[lag:], in_parent)
         size = np.linalg.norm(change, axis=1)
         usual = max(np.quantile(size, 0.8), np.radians(3.0))
@@ -256,8 +256,6 @@ def _fast_changes(
         peak &= size > max(np.radians(LEAST_DEGREES), UNUSUAL_RATIO * usual)
         at = np.flatnonzero(peak)
         found.append((at, np.full(len(at), lag), change[at], size[at] / usual))
-    if not found:
-        return np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)), np.zeros(0)
     begins, lags, changes, ratios = (np.concatenate(each) for each in zip(*found, strict=True))
     return begins, lags, changes, ratios
 
