@@ -3,7 +3,6 @@
 import os
 import signal
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import partial
@@ -61,29 +60,19 @@ def read_bodies(
         return
     from concurrent.futures.process import BrokenProcessPool, ProcessPoolExecutor  # slow to import
 
-    ends_at_sigterm = partial(signal.signal, signal.SIGTERM, signal.SIG_DFL)
-    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=ends_at_sigterm)
+    pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=_leave_interrupts)
     try:
-        with _blocked_interrupts():
-            bodies = pool.map(read, paths, chunksize=4)
-        yield from bodies
+        yield from pool.map(read, paths, chunksize=4)
     except BrokenProcessPool:
         raise OSError("a process that read motion files was ended from outside") from None
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-@contextmanager
-def _blocked_interrupts() -> Iterator[None]:
-    """Leave Ctrl-C to this process: the processes that it starts here inherit the block."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+def _leave_interrupts() -> None:
+    """Leave Ctrl-C to the process that started this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _read(path: Path, mapping: Mappings, coordinates: Coordinates | None) -> ReadResult:

@@ -186,12 +186,8 @@ def _read_motion(
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     expected = "a line for each frame, with one value for each channel of the hierarchy"
     rate = rate if step == 1 or max_rate is None else max_rate
-
-    def read(frames: int) -> tuple[np.ndarray, int]:
-        file.require_frames(min(frames, file.count) // step, len(joints), rate)
-        return file.table(time_line, channels, frames, expected, step)
-
-    values, lines = read(max(stated, 1))
+    file.require_frames((file.count - time_line) // step, len(joints), rate)
+    values, lines = file.table(time_line, channels, expected, step)
     notes = []
     if lines == 0:
         joined = "but" if stated else "and"
@@ -199,7 +195,6 @@ def _read_motion(
     if lines != stated:
         text = f"Frames: says {count}, but {lines} lines of values follow and were read"
         notes.append(Note("frames", text))
-        values, _ = read(lines)
     if not SLOWEST <= rate <= FASTEST:
         text = f"Frame Time: {time} is {rate:.3g} frames a second; is that right?"
         notes.append(Note("rate", text, in_doubt=True))

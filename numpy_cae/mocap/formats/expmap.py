@@ -137,7 +137,7 @@ def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
         widths = " or ".join(f"{rig.width} ({rig.name})" for rig in EXPMAP_RIGS)
         raise file.error(line, f"{width} values, expected {widths}, separated by commas")
     file.require_frames(file.count, len(rig.joints), rig.rate)
-    return rig, file.table(0, width, file.count, "as in the first line", separator=",")[0]
+    return rig, file.table(0, width, "as in the first line", separator=",")[0]
 
 
 def cmu_root(text: np.ndarray) -> np.ndarray:

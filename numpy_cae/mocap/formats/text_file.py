@@ -124,33 +124,28 @@ class TextFile:
         return values
 
     def table(
-        self,
-        after: int,
-        width: int,
-        frames: int,
-        expected: str,
-        step: int = 1,
-        separator: str | None = None,
+        self, after: int, width: int, expected: str, step: int = 1, separator: str | None = None
     ) -> tuple[np.ndarray, int]:
-        """The numbers in the lines below line `after`, (rows, width) of float64, and the number of
-        these lines that are not blank.
+        """The numbers in every `step`-th of the lines below line `after`, (rows, width) of float64,
+        and the number of these lines; blank lines are left out.
 
-        Every `step`-th of the first `frames` lines is returned. The last of them is parsed too, as
-        it may be cut off; the others are only counted. `expected` describes a line in an error.
-        Numbers are separated by `separator`, None for white space.
+        The last line is parsed too, as it may be cut off; the others are only counted. `expected`
+        describes a line in an error. Numbers are separated by `separator`, None for white space.
         """
         rows = array("d")
         lines = 0
+        last: list[tuple[int, str]] = []
         for first, texts in self._blocks():
             numbered = enumerate(texts, first)
-            filled = [(n, text) for n, text in numbered if n > after and text.strip()]
-            within = enumerate(filled[: max(frames - lines, 0)], lines)
-            parsed = [line for row, line in within if row % step == 0 or row == frames - 1]
+            filled = [(line, text) for line, text in numbered if line > after and text.strip()]
+            parsed = filled[-lines % step :: step]
             if parsed:
                 rows.frombytes(self._rows(parsed, width, expected, separator).tobytes())
             lines += len(filled)
-        kept = -(-min(lines, frames) // step)
-        return np.frombuffer(rows).reshape(-1, width)[:kept], lines
+            last = filled[-1:] or last
+        if last:
+            self._rows(last, width, expected, separator)
+        return np.frombuffer(rows).reshape(-1, width), lines
 
     def _rows(
         self, lines: list[tuple[int, str]], width: int, expected: str, separator: str | None

@@ -19,7 +19,7 @@ from numpy_cae.motion.features import (
     positions_to_features,
     problem_of,
 )
-from numpy_cae.motion.motion import RATE, Motion, blocks
+from numpy_cae.motion.motion import RATE, Motion
 
 
 def body_positions(motion: Motion) -> np.ndarray:
@@ -120,23 +120,19 @@ def at_rate_of(
             f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(times)}"
         )
     frames = np.arange(len(motion)) if frames is None else frames
-    resampled = np.empty((len(frames), *positions.shape[1:]))
-    if len(times) == 1 or np.array_equal(times, np.arange(len(motion))):
-        resampled[:] = positions[0 if len(times) == 1 else frames]
-        return resampled
+    if len(times) == 1:
+        return np.repeat(positions, len(frames), axis=0)
+    if np.array_equal(times, np.arange(len(motion))):
+        return positions[frames]
     step = times[1]
-    done = 0
-    for part in blocks(frames):
-        # The curve in these frames depends on three poses before and three poses after them.
-        first, end = (part[[0, -1]] / step).astype(int) + [-3, 5]
-        near = positions[max(first, 0) : end]
-        if end > len(times):
-            near = np.concatenate([near, 2 * near[-1:] - near[-2:-1]])
-        near_times = step * (max(first, 0) + np.arange(len(near)))
-        curve = Akima1DInterpolator(near_times, near, method="makima")
-        resampled[done : done + len(part)] = curve(part)
-        done += len(part)
-    return resampled
+    # The curve in these frames depends on three poses before and three poses after them.
+    first = max(int(frames[0] / step) - 3, 0)
+    end = int(frames[-1] / step) + 5
+    near = positions[first:end]
+    if end > len(times):
+        near = np.concatenate([near, 2 * near[-1:] - near[-2:-1]])
+    near_times = step * (first + np.arange(len(near)))
+    return Akima1DInterpolator(near_times, near, method="makima")(frames)
 
 
 @dataclass(frozen=True)
