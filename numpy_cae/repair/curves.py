@@ -67,7 +67,7 @@ class Curve:
     is_root: bool
 
     @property
-    def kind(self) -> str:
+    def spike_kind(self) -> str:
         """What a spike of this curve is: of the rotation, the root's place, a bone's length."""
         return "spike" if self.is_rotation else "root elsewhere" if self.is_root else "length"
 

@@ -15,7 +15,6 @@ If two opposite jumps do not undo each other, the rotations between them are tho
 motion: they are interpolated (`holes`), unless the frames outside may be those of another motion.
 """
 
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -47,6 +46,9 @@ LATER_JUMPS = 6
 OPPOSITE_COSINE = -0.5
 """OPPOSITE_COSINE: two jumps whose directions have a cosine below this lead back; those of the root
 do not count, since a body that turns and turns back may kick."""
+PREFERRED = ("spike", "undone", "interpolated", "to the end")
+"""PREFERRED: what a segment that may be several of these is taken for; spikes are left to
+`find_spikes`."""
 HALF_TURN_DEGREES = 150.0
 """HALF_TURN_DEGREES: a rotation that jumps by more than this (°) and does not come back is
 undone."""
@@ -85,7 +87,7 @@ def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
     """The motion with displacements undone, and what is "displaced" interpolated."""
     changed: dict[str, Any] = {}  # rotations and translations
     for curve in curves_of(motion):
-        kind = "turned" if curve.is_rotation else curve.kind
+        kind = "turned" if curve.is_rotation else curve.spike_kind
         name = "rotations" if curve.is_rotation else "translations"
         for finding in findings:
             if (finding.joint, finding.kind) == (curve.name, kind):
@@ -98,32 +100,27 @@ def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
 
 
 def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str]]:
-    """The segments of a curve that are displaced, each with its kind, or "spike"; none overlaps
+    """The segments of a curve that are displaced, each with one of `PREFERRED`; none overlaps
     another, but for those up to the end of the curve."""
     jumps = jumps_of(curve, sensitivity)
+    frames = [frame for frame, _ in jumps]
     end = 0
     for number, (first, score) in enumerate(jumps):
         if first <= end:
             continue
         later = jumps[number + 1 : number + 1 + LATER_JUMPS]
         segments = [Segment(first, stop, min(score, other)) for stop, other in later]
-        if not later or curve.kind == "root elsewhere":
+        if not later or curve.spike_kind == "root elsewhere":
             segments.append(Segment(first, len(curve.values), score))
-        by_kind: dict[str, list[Segment]] = defaultdict(list)
+        by_kind: dict[str, Segment] = {}
         for segment in segments:
-            for kind in _kinds(curve, segment, [frame for frame, _ in jumps]):
-                by_kind[kind].append(segment)
-        if by_kind["spike"]:
-            chosen = by_kind["spike"][-1]
-            kind = "spike"
-        elif undone := by_kind["undone"] or by_kind["interpolated"] or by_kind["to the end"]:
-            chosen = undone[0]
-            other = "displaced" if undone is by_kind["interpolated"] else "turned"
-            kind = other if curve.is_rotation else curve.kind
-        else:
-            continue
-        end = first if chosen.end == len(curve.values) else chosen.end
-        yield chosen, kind
+            for kind in _kinds(curve, segment, frames):
+                by_kind.setdefault(kind, segment)
+        best = next((kind for kind in PREFERRED if kind in by_kind), None)
+        if best is not None:
+            chosen = by_kind[best]
+            end = first if chosen.end == len(curve.values) else chosen.end
+            yield chosen, best
 
 
 def _kinds(curve: Curve, segment: Segment, jumps: list[int]) -> Iterator[str]:
@@ -156,8 +153,11 @@ def _is_between(curve: Curve, segment: Segment, jumps: list[int]) -> bool:
 
 
 def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
+    """The finding of a segment that is one of `PREFERRED`."""
     first, end = segment.first, segment.end
     to_the_end = end == len(curve.values)
+    of_rotation = "displaced" if kind == "interpolated" else "turned"
+    kind = of_rotation if curve.is_rotation else curve.spike_kind
     amount = curve.amount(_size(curve, first))
     few = longest_spike(curve.rate) if curve.is_rotation else end / 2
     if to_the_end and first <= few:

@@ -65,7 +65,7 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
                 why = f"{curve.amount(spike.size)} from the frames before and after"
                 frames = (spike.first, spike.end - 1)
                 sure = confidence(spike.score)
-                found.append(Finding(curve.name, frames, curve.kind, why, 0.0, sure))
+                found.append(Finding(curve.name, frames, curve.spike_kind, why, 0.0, sure))
             curve = _interpolated(curve, spikes)
     return list(dict.fromkeys(found))  # a replaced frame may deviate again
 

@@ -42,7 +42,7 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> find_still(motion.at(np.r_[:30, [29] * 5, 35:60]))
     [body: frames 30 to 34: repeated (...
     """
-    curves = [curve for curve in curves_of(motion) if curve.kind != "length"]
+    curves = [curve for curve in curves_of(motion) if curve.spike_kind != "length"]
     body = np.zeros(max(len(motion) - 1, 0))
     frozen = list[Finding]()
     for curve in curves:
