@@ -187,7 +187,9 @@ class Trials(NamedTuple):
     size: int
 
 
-def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[CurveAt, np.ndarray]:
+def curves_and_strengths(
+    manifold: MotionManifold, body: Body, missing: np.ndarray
+) -> tuple[CurveAt, np.ndarray]:
     """The curve of each hole, and the strength of the correction of each missing joint.
 
     Parameters
@@ -215,7 +217,8 @@ def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[C
     holes = runs(np.asarray((missing & ~always).any(axis=1)))
     longest_first = holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]
     for rank, (first, end) in enumerate(longest_first.tolist()):
-        best = chosen_for(manifold, body, kinds, always, slice(first, end), rank < MOST_HOLES)
+        hole = slice(first, end)
+        best = best_in_hole(manifold, body, kinds, always, hole, rank < MOST_HOLES)
         at_rate = slice(*np.searchsorted(source, [first - 1, end + 1]))
         for kind, (curve, s) in best.items():
             strength[at_rate][kinds_at_rate[at_rate] == kind.encode()] = s
@@ -224,7 +227,7 @@ def chosen(manifold: MotionManifold, body: Body, missing: np.ndarray) -> tuple[C
     return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
 
 
-def chosen_for(
+def best_in_hole(
     manifold: MotionManifold,
     body: Body,
     kinds: np.ndarray,
@@ -246,35 +249,29 @@ def chosen_for(
     known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
-    prior = _priors_of(pattern, rate)
+    seconds = {
+        str(kind): float(np.count_nonzero((pattern == kind).any(axis=1)) / rate)
+        for kind in np.unique(pattern[pattern != ""])
+    }
     on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
-    by_curve = _weights_of("curves", prior, errors_in(clip, trials, on_curve))
+    by_curve = _weights_of("curves", seconds, errors_in(clip, trials, on_curve))
     curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
 
     def curve_at(joint: int, frame: int) -> Curve:
         return curves.get(trials.kinds[frame, joint], eased)
 
     corrections = on_strengths(manifold, clip, hidden, curve_at)
-    by_strength = _weights_of("strengths", prior, errors_in(clip, trials, corrections))
-    return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in prior}
-
-
-def _priors_of(pattern: np.ndarray, rate: float) -> dict[str, dict[str, np.ndarray]]:
-    """`priors` for each kind of a pattern (n, 20) of kinds."""
-    by_kind = {}
-    for kind in np.unique(pattern[pattern != ""]):
-        frames = np.count_nonzero((pattern == kind).any(axis=1))
-        by_kind[str(kind)] = priors(str(kind), frames / rate)
-    return by_kind
+    by_strength = _weights_of("strengths", seconds, errors_in(clip, trials, corrections))
+    return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in seconds}
 
 
 def _weights_of(
-    name: str, prior: dict[str, dict[str, np.ndarray]], errors: dict[str, np.ndarray]
+    name: str, seconds: dict[str, float], errors: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """The weights of the candidates for "curves" or "strengths", for each kind of hole."""
     return {
-        kind: weights(of_kind[name], errors.get(kind), POWERS[name])
-        for kind, of_kind in prior.items()
+        kind: weights(prior(name, kind, duration), errors.get(kind), POWERS[name])
+        for kind, duration in seconds.items()
     }
 
 
@@ -342,15 +339,13 @@ def trials_in(known: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
     return Trials(kinds, starts, size)
 
 
-def priors(kind: str, seconds: float) -> dict[str, np.ndarray]:
-    """r of the module's equation for "curves" and "strengths", by the kind and duration of a hole,
+def prior(name: str, kind: str, seconds: float) -> np.ndarray:
+    """r of the module's equation for "curves" or "strengths", by the kind and duration of a hole,
     interpolated over the logarithm of the duration."""
     table = fill_table()
-    at = np.log(seconds * RATE), np.log(table["lengths"])
-    return {
-        name: np.array([np.interp(*at, column) for column in np.transpose(table[name][kind])])
-        for name in POWERS
-    }
+    lengths = np.log(table["lengths"])
+    columns = np.transpose(table[name][kind])
+    return np.array([np.interp(np.log(seconds * RATE), lengths, column) for column in columns])
 
 
 @cache

@@ -108,7 +108,8 @@ def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = Non
     source = motion if source is None else source
     margin = round(AROUND_SECONDS * motion.rate)
     for _ in range(ROUNDS if len(motion) >= LEAST_FRAMES else 0):
-        near = with_margin(jumps.any(axis=1)[:, None], margin)[:, 0]
+        some = np.asarray(jumps.any(axis=1, keepdims=True))
+        near = with_margin(some, margin)[:, 0]
         rotations = motion.rotations.copy()
         translations = motion.translations.copy()
         for first, end in runs(near).tolist():  # the filtered curves of an hour take 0.75 GB

@@ -30,7 +30,7 @@ from numpy_cae.repair.curves import usual_body
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import Finding, marked, shifted, usable
-from numpy_cae.repair.holes import chosen, holes_of
+from numpy_cae.repair.holes import curves_and_strengths, holes_of
 from numpy_cae.repair.interpolated import (
     POSITION_KINDS,
     interpolate_channels,
@@ -342,7 +342,7 @@ def complete_holes(
 
 def filled_by(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
     """The motion of a body with the holes of findings filled in by the manifold."""
-    curve_at, strength = chosen(manifold, body, missing_joints(body.motion, findings))
+    curve_at, strength = curves_and_strengths(manifold, body, missing_joints(body.motion, findings))
     holes = holes_of(body, findings, curve_at)
     return holes.filled(corrected(manifold, holes.features, holes.mask, strength))
 

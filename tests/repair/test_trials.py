@@ -10,7 +10,7 @@ from numpy_cae.motion import JOINTS
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
-from numpy_cae.repair.holes import PRIOR, chosen, trials_in, weights
+from numpy_cae.repair.holes import PRIOR, curves_and_strengths, trials_in, weights
 from numpy_cae.repair.interpolated import on_curves
 
 
@@ -42,7 +42,9 @@ def test_a_motion_on_a_smooth_curve_is_filled_by_the_cubic(walk_manifold):
     rotations[:, shoulder] = from_vector(swing)
     motion = replace(walk, rotations=rotations)
     hole = joint_mask(180, ["left_elbow", "left_wrist"], slice(80, 90))
-    curve_at, strength = chosen(walk_manifold, Body(motion, walk_manifold.lengths), hole)
+    curve_at, strength = curves_and_strengths(
+        walk_manifold, Body(motion, walk_manifold.lengths), hole
+    )
     filled = {name: on_curves(motion, hole, lambda *_, c=c: c) for name, c in CURVES.items()}
     filled["chosen"] = on_curves(motion, hole, curve_at)
     for name, each in filled.items():
