@@ -194,6 +194,13 @@ def escaped(line: str) -> str:
     return re.sub(r"(?<![`\\])([|*])(?!`)", r"\\\1", line)
 
 
+def without_empty_headings(app, pagename: str, template: str, context: dict, doctree) -> None:
+    """The corner of a table that has nothing in it is a plain cell: a heading without text says
+    nothing to a reader who hears the page."""
+    empty = re.compile(r'<th( class="[^"]*")><p></p></th>')
+    context["body"] = empty.sub(r"<td\1><p></p></td>", context.get("body", ""))
+
+
 def run_examples() -> None:
     """Run the examples that the reference shows; ValueError if one prints something else."""
     for name in example_modules():
@@ -211,4 +218,5 @@ def setup(app) -> None:
     write_lessons(HERE.parent / "lessons", students, HERE / "lessons", write_if_changed)
     write_example(HERE / "made", HERE / "site_files")
     app.connect("source-read", link_names)
+    app.connect("html-page-context", without_empty_headings)
     app.connect("autodoc-process-docstring", plain_text_to_rst, priority=400)

@@ -1,12 +1,14 @@
 """The viewer in headless Chromium: it loads from the disk, plays, and shows the right positions."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from data_synth import make_take
 from numpy_cae.viz import motion_actor, save_viewer
+from numpy_cae.viz.actor import compared
 
 SHOWN = "viewer => viewer.stage.figures.map(figure => figure.points.map(point => point.toArray()))"
 HEAD_ON_SCREEN = """viewer => {
@@ -155,3 +157,49 @@ def test_a_joint_is_named_under_the_pointer(page):
     page.locator(".stage canvas").scroll_into_view_if_needed()
     page.mouse.move(*viewer.evaluate(HEAD_ON_SCREEN))
     assert "head" in page.locator(".joint").inner_text().lower()
+
+
+@pytest.fixture
+def changed(browser, motions, tmp_path):
+    """A dark page of a walk and one whose wrists, left and right, are 7.07 cm away, the middle of the scale."""
+    first = motion_actor(motions[0], "before")
+    moved = first.positions.copy()
+    moved[:, [first.names.index(f"{side}wrist") for side in "lr"]] += [0.0, 0.0707, 0.0]
+    path = tmp_path / "changed.html"
+    save_viewer([first, compared(replace(first, positions=moved), first)], path, 30.0)
+    opened = browser.new_page(viewport={"width": 1200, "height": 700}, color_scheme="dark")
+    opened.goto(path.as_uri())
+    opened.wait_for_function("window.motionViewers?.()[0]?.frame > 0", timeout=60_000)
+    yield opened
+    opened.close()
+
+
+def test_a_distance_has_one_colour_on_either_side(changed):
+    colours = viewer_of(changed).evaluate("""({ stage: { figures: [, { motion, balls, own }] } }) =>
+        ["lwrist", "rwrist"].map((name) => {
+            balls.getColorAt(motion.names.indexOf(name), own);
+            return own.getStyle();
+        })""")
+    scale = changed.locator(".ticks i").evaluate("box => box.style.background")
+    assert colours[0] == colours[1] and colours[0].replace(",", ", ") in scale
+
+
+def test_paper_is_light_and_has_the_picture(changed):
+    """Also where the page is dark: the corner of the picture has the colour of a light page."""
+    changed.evaluate("dispatchEvent(new Event('beforeprint'))")
+    corner = changed.evaluate("""() => {
+        const papers = document.querySelectorAll(".stage canvas:not([hidden])");
+        return [papers.length, ...papers[0].getContext("2d").getImageData(0, 0, 1, 1).data];
+    }""")
+    assert corner == [1, 238, 241, 244, 255]
+    changed.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert viewer_of(changed).evaluate("viewer => viewer.canvas.hidden") is False
+
+
+def test_bodies_stay_in_the_picture_where_it_becomes_narrow(changed):
+    changed.set_viewport_size({"width": 420, "height": 900})
+    changed.wait_for_function("motionViewers()[0].stage.width < 500")
+    across = viewer_of(changed).evaluate("""({ stage }) => stage.panes().flatMap((pane) =>
+        pane.figures[0].points.map((_, joint) =>
+            (stage.onScreen(pane, pane.figures[0], joint)[0] - pane.left) / pane.width))""")
+    assert 0 < min(across) and max(across) < 1

@@ -9,13 +9,13 @@ const UP = new THREE.Vector3(0, 1, 0);
 // Points of the floor below the points of a body, for a light above and beside it.
 const FLAT = new THREE.Matrix4().set(1, -0.2, 0, 0, 0, 0, 0, 0.004, 0, -0.12, 1, 0, 0, 0, 0, 1);
 const GHOST = { opacity: 0.5, wider: 1.9 };
-// The light of the sky and of a sun, computed at the corners of triangles: at every pixel it takes most
-// of the time of a software renderer.
+// The light of the sky and of a sun, white so that a colour keeps its hue, computed at the corners of
+// triangles: at every pixel it takes most of the time of a software renderer.
 const LIT = `
   varying vec3 shade;
   void main() {
     vec3 way = normalize(mat3(modelMatrix) * mat3(instanceMatrix) * normal);
-    vec3 sky = mix(vec3(0.22, 0.26, 0.29), vec3(0.7), 0.5 * way.y + 0.5);
+    vec3 sky = mix(vec3(0.26), vec3(0.7), 0.5 * way.y + 0.5);
     vec3 light = sky + 0.5 * max(dot(way, vec3(0.37, 0.74, 0.56)), 0.0);
     shade = pow(min(instanceColor * light, 1.0), vec3(1.0 / 2.2));
     gl_Position = projectionMatrix * modelViewMatrix * instanceMatrix * vec4(position, 1.0);
@@ -78,9 +78,9 @@ export class Figure {
     return lines;
   }
 
-  // Left is lighter and right is darker, on a dark page everything a little lighter.
+  // On a dark page a body is a little lighter, unless its colours are those of the scale of distances.
   setColours(onDark, shadow) {
-    const own = this.own = new THREE.Color(this.motion.colour).lerp(WHITE, onDark ? 0.2 : 0);
+    const own = this.own = new THREE.Color(this.motion.colour).lerp(WHITE, onDark && !this.motion.moved ? 0.2 : 0);
     this.dark.color.copy(shadow);
     this.path.material.color.copy(own);
     this.feet.material.color.copy(own).lerp(onDark ? WHITE : BLACK, 0.3);
@@ -104,12 +104,10 @@ export class Figure {
     const size = new THREE.Vector3(), shade = new THREE.Color(), place = new THREE.Vector3();
     points.forEach((point, joint) => jointPosition(motion, frame, joint, point));
     points.forEach((point, joint) => {
-      const level = motion.moved ? motion.moved[joint * motion.frames + frame] : 0, moved = level / 255;
+      const level = motion.moved ? motion.moved[joint * motion.frames + frame] : 0, side = motion.sides[joint];
       if (motion.moved) levelColour(level, this.own, shade);
-      else shade.copy(this.own);
-      const side = motion.sides[joint];
-      if (side) shade.lerp(side > 0 ? WHITE : BLACK, motion.moved ? 0.15 : 0.3);
-      const radius = motion.radius * (1 + 0.7 * moved) * this.wider;
+      else shade.copy(this.own).lerp(side > 0 ? WHITE : BLACK, side ? 0.3 : 0); // left is lighter
+      const radius = motion.radius * (1 + 0.7 * level / 255) * this.wider;
       const parent = motion.parents[joint];
       bone.subVectors(point, parent < 0 ? point : points[parent]);
       const length = bone.length();

@@ -86,7 +86,6 @@ export class FindingsPanel {
     for (const each of this.rows) {
       each.detail.hidden = each !== row;
       each.button.ariaExpanded = String(each === row);
-      each.button.setAttribute("aria-pressed", each === row);
     }
     if (!row.detail.childElementCount) this.fill(row);
     this.onChosen(row);

@@ -116,7 +116,7 @@ function sizeOf({ positions, joints, frames }) {
   const tall = Math.max(quantile(tops, 0.95), 0.3 * quantile(wide, 0.95), 1e-3);
   const ends = across.map((values) => [quantile(values, 0.01), quantile(values, 0.99)]);
   return {
-    tall, radius: 0.85 * quantile(wide, 0.9), middle: ends.map(([low, high]) => (low + high) / 2),
+    tall, radius: 0.9 * quantile(wide, 0.95), middle: ends.map(([low, high]) => (low + high) / 2),
     path: Math.hypot(...ends.map(([low, high]) => high - low)) / 2,
   };
 }

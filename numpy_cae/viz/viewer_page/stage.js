@@ -44,6 +44,7 @@ export class Stage {
     this.sharp = Math.min(window.devicePixelRatio, light ? 1 : 2);
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color();
+    this.scene.fog = new THREE.Fog(0);
     this.grid = metreGrid(12);
     this.scene.add(this.grid);
     this.figures = motions.map((motion) => new Figure(motion));
@@ -65,7 +66,7 @@ export class Stage {
   setColours(style) {
     this.scene.background.setStyle(style.backgroundColor);
     this.grid.material.color.setStyle(style.borderTopColor);
-    this.scene.fog = new THREE.Fog(this.scene.background, 8, 16);
+    this.scene.fog.color.copy(this.scene.background);
     const onDark = this.scene.background.getHSL({}).l < 0.4;
     this.figures.forEach((figure) => figure.setColours(onDark, new THREE.Color().setStyle(style.borderBottomColor)));
     this.show(this.frame);
@@ -87,20 +88,24 @@ export class Stage {
     let wide = Math.max(...sizes.map((size) => size.radius + (this.follow ? 0 : size.path)));
     if (this.overlaid && this.follow && !this.aligned) wide += this.spread(seen);
     this.resize();
-    const half = Math.tan(VIEW / 2 * Math.PI / 180), across = this.panes()[0].aspect;
-    const high = name === "top" ? wide : 0.6 * tall;
-    const away = Math.max(high, wide / across) / half * 1.06 + (name === "top" ? tall : 0.5 * Math.min(wide, tall));
+    this.extent = name === "top" ? { wide, high: wide, deep: tall } : { wide, high: 0.6 * tall, deep: 0.5 * Math.min(wide, tall) };
     const [x, z] = facing(seen[0].motion, this.frame);
     const angle = { front: 0, side: Math.PI / 2, top: 0 }[name] ?? 0.55;
     const to = new THREE.Vector3(x * Math.cos(angle) + z * Math.sin(angle), 0, z * Math.cos(angle) - x * Math.sin(angle));
     to.y = { top: 40, front: 0.08, side: 0.08 }[name] ?? 0.22;
     this.controls.target.set(0, name === "top" ? 0 : 0.53 * tall, 0);
-    this.camera.position.copy(this.controls.target).addScaledVector(to.normalize(), away);
-    Object.assign(this.camera, { near: away / 100, far: away * 20 });
-    Object.assign(this.scene.fog, { near: 1.2 * away, far: Math.max(3.5 * away, 12) });
-    this.camera.updateProjectionMatrix();
+    this.camera.position.copy(this.controls.target).addScaledVector(to.normalize(), this.away());
     this.controls.update();
     this.changed = true;
+  }
+
+  // The distance from which the bodies fill a picture; what is further away is in fog.
+  away() {
+    const { wide, high, deep } = this.extent, half = Math.tan(VIEW / 2 * Math.PI / 180);
+    const away = Math.max(high, wide / (this.panes()[0]?.aspect ?? 1)) / half * 1.06 + deep;
+    Object.assign(this.camera, { near: away / 100, far: away * 20 });
+    Object.assign(this.scene.fog, { near: 1.2 * away, far: Math.max(3.5 * away, 12) });
+    return away;
   }
 
   // How far the first joints of bodies are from their middle in this frame.
@@ -139,10 +144,13 @@ export class Stage {
     }));
   }
 
+  // In a picture of another shape the bodies are as large as they fit, seen from the same direction.
   resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     if (width === this.width && height === this.height && this.renderer.getPixelRatio() === this.sharp) return;
+    const before = this.extent && this.away(), { target } = this.controls;
     Object.assign(this, { width, height, changed: true });
+    if (before) this.camera.position.sub(target).multiplyScalar(this.away() / before).add(target);
     this.renderer.setPixelRatio(this.sharp);
     this.renderer.setSize(width, height, false);
   }

@@ -66,9 +66,15 @@ export class Timeline {
       if (!name || joint < 0) return [];
       return [{ colour: motion.colour, values: Float32Array.from({ length: this.frames }, (_, frame) => of(motion, frame, joint)) }];
     });
-    this.curveLabel = `${quantity} of ${name}`;
+    this.curveLabel = `${quantity} of ${name.replaceAll("_", " ")}`;
     this.unit = unit;
     this.width = 0;
+  }
+
+  // The first frame in which a joint is elsewhere than in the first motion.
+  firstChange() {
+    const distances = this.rows.find(({ colour }) => colour === "--moved")?.values ?? [];
+    return Math.max(distances.findIndex(Boolean), 0);
   }
 
   height() {
@@ -83,12 +89,6 @@ export class Timeline {
       for (let frame = from; frame < Math.min(to, this.frames); frame++) value = Math.max(value, values[frame]);
       if (value > 0) pen.fillRect(x, top + BAR * (1 - value), 1, BAR * value);
     }
-  }
-
-  drawCurves(pen, top, ink) {
-    const [low, high] = strokeCurves(pen, this.curves, top, this.width, CURVE);
-    pen.fillStyle = ink;
-    pen.fillText(`${this.curveLabel}, ${low.toFixed(2)} to ${high.toFixed(2)} ${this.unit}`, 0, top - 4);
   }
 
   drawStill(style, sharp) {
@@ -109,7 +109,9 @@ export class Timeline {
     if (!this.curves?.length) return;
     pen.fillStyle = style.backgroundColor;
     pen.fillRect(0, top, this.width, CURVE);
-    this.drawCurves(pen, top, style.color);
+    const [low, high] = strokeCurves(pen, this.curves, top, this.width, CURVE);
+    pen.fillStyle = style.color;
+    pen.fillText(`${this.curveLabel}, ${low.toFixed(2)} to ${high.toFixed(2)} ${this.unit}`, 0, top - 4);
   }
 
   // The rows are drawn when something in them has changed, then only the marks above them.

@@ -16,8 +16,9 @@ const HELP = {
   "a, b": "start and end of the loop here", "c": "loop all frames", "1, 2, 3": "from the front, side, top",
   "f": "follow the body", "o": "overlay", "?": "this list", "drag": "turn the camera", "wheel, pinch": "zoom",
 };
-const NOTES = "Frames are those of the file, counted from 0. A square of the floor is 1 m. The left side of a " +
-  "body is lighter, the right side darker. Rings mark feet that stand. The line on the floor is the path of the hips.";
+const NOTES = "Frames are those of the file, counted from 0. A square of the floor is 1 m; x and z are its directions. " +
+  "The left side of a body is lighter, the right side darker; a body in the colours of a distance has no such sides, and is " +
+  "thicker where it is further away. Rings mark feet that stand. The line on the floor is the path of the hips.";
 
 function element(parent, tag, properties = {}) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -28,8 +29,6 @@ function element(parent, tag, properties = {}) {
 class Viewer {
   constructor(box, data, motions) {
     Object.assign(this, { box, data, motions, rate: data.rate, frames: data.frames, frame: 0, speed: 1 });
-    this.playing = this.follow = true;
-    this.overlaid = data.overlaid;
     this.whole = box.classList.contains("whole");
     this.build(data);
     this.lighter = Number(isSoftware());
@@ -39,7 +38,7 @@ class Viewer {
     this.recolour();
     this.arrange();
     this.setPlaying(!matchMedia("(prefers-reduced-motion: reduce)").matches);
-    if (!this.readAddress() && !this.startAtFinding()) this.go(box.leftAt ?? 0);
+    this.start();
     this.tick = this.tick.bind(this);
     requestAnimationFrame(this.tick);
   }
@@ -62,7 +61,7 @@ class Viewer {
       const panel = element(upper, "div", { className: "findings", role: "region", ariaLabel: "Findings", tabIndex: 0 });
       this.panel = new FindingsPanel(panel, element, { ...data, motions: this.motions }, (row) => this.showFinding(row));
     }
-    this.buildBar(bar);
+    this.buildBar(bar, data);
     const line = element(this.box, "div", { className: "line" });
     this.slider = element(line, "input",
       { type: "range", min: 0, max: this.frames - 1, step: 1, value: 0, ariaLabel: "frame" });
@@ -102,7 +101,7 @@ class Viewer {
     element(this.help, "p", { textContent: NOTES });
   }
 
-  buildBar(bar) {
+  buildBar(bar, data) {
     this.playButton = this.button(bar, "", "play", () => this.setPlaying(!this.playing));
     this.speeds = this.select(bar, "speed", SPEEDS.map((speed) => [speed, `${speed} ×`]), () => { this.speed = Number(this.speeds.value); });
     this.speeds.value = 1;
@@ -113,8 +112,8 @@ class Viewer {
     this.button(bar, "loop end", "loop end: repeat to this frame (b)", () => this.mark(1));
     this.unmark = this.button(bar, "loop all", "loop all: repeat all frames (c)", () => this.mark());
     VIEWS.forEach((name) => this.button(bar, name, `seen from the ${name}`, () => this.stage.view(name)));
-    this.followBox = this.checkbox(bar, "follow", this.follow);
-    this.overlayBox = this.checkbox(bar, "overlay", this.overlaid);
+    this.followBox = this.checkbox(bar, "follow", true);
+    this.overlayBox = this.checkbox(bar, "overlay", data.overlaid);
     this.overlayBox.parentElement.hidden = this.motions.length < 2;
     const names = this.motions[0].names.map((name) => [name, name.replaceAll("_", " ")]);
     this.jointSelect = this.select(bar, "curve of", [["", "no joint"], ...names], () => this.setCurve());
@@ -163,6 +162,7 @@ class Viewer {
     (this.whole ? document : this.box).addEventListener("keydown", (event) => this.key(event), { signal });
     if (this.whole) window.addEventListener("hashchange", () => this.readAddress(), { signal });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour(), { signal });
+    for (const kind of ["beforeprint", "afterprint"]) window.addEventListener(kind, () => this.recolourForPaper(kind), { signal });
     this.themed = new MutationObserver(() => this.recolour());
     this.themed.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme", "style"] });
     this.resized = new ResizeObserver(() => { this.stage.draw(); this.nameBodies(); this.drawTimeline(); });
@@ -200,7 +200,7 @@ class Viewer {
   }
 
   showFinding({ finding: { frames: [first, last] }, mover, moved: { axis } }) {
-    this.scrub(first);
+    this.go(first);
     this.jointSelect.value = mover;
     this.quantity.value = ["x", "height", "z"][axis];
     this.timeline.chosen = [first, last];
@@ -209,13 +209,11 @@ class Viewer {
     this.mark(1, Math.min(last + Math.round(this.rate / 3), this.frames - 1));
   }
 
-  // A page with findings starts at the first of them.
-  startAtFinding() {
-    if (!this.panel || this.box.leftAt !== undefined) return false;
-    const playing = this.playing;
-    this.panel.choose(this.panel.rows[0]);
-    this.setPlaying(playing);
-    return true;
+  // A page starts at the frame of its address or where it was left, else at the first finding or change.
+  start() {
+    if (this.readAddress()) return;
+    if (this.panel && this.box.leftAt === undefined) this.panel.choose(this.panel.rows[0]);
+    else this.go(this.box.leftAt ?? this.timeline.firstChange());
   }
 
   setCurve() {
@@ -253,10 +251,8 @@ class Viewer {
   }
 
   arrange() {
-    this.overlaid = this.overlayBox.checked;
-    this.follow = this.followBox.checked;
     this.stage.shown = new Set(this.stage.figures.filter((_, place) => this.toggles[place].checked));
-    this.stage.arrange(this.overlaid, this.follow);
+    this.stage.arrange(this.overlayBox.checked, this.followBox.checked);
     this.stage.view();
     this.nameBodies();
   }
@@ -268,8 +264,23 @@ class Viewer {
     if (panes.length < 2) return;
     panes.forEach(({ figures: [{ motion }], left, top, width, height }) => {
       const name = element(this.names, "span", { className: "name", textContent: motion.label });
-      Object.assign(name.style, { left: `${left}px`, bottom: `${this.stage.height - top - height + 4}px`, width: `${width}px` });
+      const percent = (part, of) => `${100 * part / of}%`, bottom = percent(this.stage.height - top - height, this.stage.height);
+      Object.assign(name.style, { left: percent(left, this.stage.width), bottom, width: percent(width, this.stage.width) });
     });
+  }
+
+  // Paper is light, also where the page is dark. A browser prints what WebGL showed last, so that a copy
+  // of what it draws now takes its place.
+  recolourForPaper(kind) {
+    const printed = document.documentElement.classList.toggle("printed", kind === "beforeprint");
+    this.canvas.hidden = printed;
+    this.recolour();
+    this.stage.setSharpness(printed ? 2 : this.sharpness());
+    this.stage.draw();
+    this.paper?.remove();
+    if (!printed) return;
+    this.paper = element(this.area, "canvas", { width: this.canvas.width, height: this.canvas.height });
+    this.paper.getContext("2d").drawImage(this.canvas, 0, 0);
   }
 
   recolour() {
@@ -384,8 +395,8 @@ class Viewer {
 // screen.
 export function mount(box, data, motions) {
   const title = data.motions.map((motion) => motion.label).join(", ");
-  const waiting = () => box.replaceChildren(Object.assign(document.createElement("p"), { className: "failure", textContent: `Animation: ${title}` }));
-  waiting();
+  const say = (text) => box.replaceChildren(Object.assign(document.createElement("p"), { className: "failure", textContent: text }));
+  say(`Animation: ${title}`);
   new IntersectionObserver(async ([entry]) => {
     const ready = await motions;
     if (entry.isIntersecting && !box.viewer) {
@@ -393,15 +404,13 @@ export function mount(box, data, motions) {
       try {
         box.viewer = new Viewer(box, data, ready);
       } catch (error) {
-        const text = `The motion cannot be drawn: ${error.message} This viewer needs WebGL.`;
-        box.replaceChildren();
-        element(box, "p", { className: "failure", textContent: text });
+        say(`The motion cannot be drawn: ${error.message} This viewer needs WebGL.`);
         box.viewer = { dispose() {} };
       }
     } else if (!entry.isIntersecting && box.viewer) {
       box.viewer.dispose();
       delete box.viewer;
-      waiting();
+      say(`Animation: ${title}`);
     }
   }, { rootMargin: "200px" }).observe(box);
 }
