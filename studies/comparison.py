@@ -21,9 +21,8 @@ from numpy_cae.fast import accelerate
 from numpy_cae.manifold import MotionManifold, hidden_units, signature
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.motion.windows import cut_windows
-from numpy_cae.viz import bars_figure
 from studies.shared.material import LabelledTake, Material, features_of
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Claim, Result, Table
 from studies.shared.retrieval import average_precision
 
 CONTENT, STYLE, BOTH = "content", "style", "both"
@@ -63,13 +62,10 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "were removed:"
     )
     rows = [[name, *by_distance[name]] for name in between]
-    groups = [(label, list(scores.values()), None) for label, scores in average.items()]
-    picture = Picture(lambda: bars_figure(list(between), groups, "mean average precision"))
     return Result(
         "Motion comparison: what the distance of equation 4 finds",
         [Table(caption, ["distance", *average], rows, best="high")],
         _claims(average),
-        {"comparison": picture},
     )
 
 

@@ -30,10 +30,9 @@ from numpy_cae.motion.key_curves import ROTATION_CURVES, Curve
 from numpy_cae.repair import Preset, repair
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.interpolated import missing_joints, on_curves
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, bars_figure
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
 from studies.shared.material import LabelledTake, Material, evenly
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Claim, Result, Table
 
 TAKES, HOLE_TAKES = 10, 16
 """Of each source at most so many takes are damaged, and get holes."""
@@ -106,10 +105,9 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     }
     tables = list[Table]()
     claims = list[Claim]()
-    trials = dict[str, _Trial]()
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
-        trial = trials[source] = _Trial(manifold, fillings, seed)
+        trial = _Trial(manifold, fillings, seed)
         takes = evenly(testing, TAKES)
         for number, take in enumerate(takes):
             trial.add(material.motion(take), number)
@@ -118,13 +116,11 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         trial.add_ratios()
         tables += trial.tables(f"{source}, {len(takes)} takes")
         claims += _of_holes(trial.values[RATIO], source)
-    source, first = next(iter(trials.items()))
     learned = manifold.settings.get("takes")
     return Result(
         "Repair: damage in the file's own rig",
         tables,
         claims,
-        {"damage": Picture(lambda: _figure(source, first.values[ERROR]))},
         note=f"The network learned from {learned} takes. The Gaussian is fitted to training takes.",
     )
 
@@ -230,16 +226,6 @@ def _of_holes(ratios: Values, source: str) -> Iterator[Claim]:
 def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Centimetres."""
     return 100 * np.linalg.norm(one - other, axis=-1)
-
-
-def _figure(source: str, errors: Values):
-    colours = {DAMAGED: CORRUPTED, UNKNOWN: PROJECTED, GIVEN: "#1d4e89", next(iter(CURVES)): PLAIN}
-    colours[next(iter(FILTERS))] = "#4aa6a6"
-    groups = [
-        (name, [np.mean(errors[name].get(kind, 0.0)) for kind in KINDS], colour)
-        for name, colour in colours.items()
-    ]
-    return bars_figure(KINDS, groups, f"error of {source} takes, cm")
 
 
 def _window(seconds: float, rate: float) -> int:

@@ -12,11 +12,10 @@ import numpy as np
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import JOINTS, POSITIONS
-from numpy_cae.viz.curves import bars_figure
 from studies.comparison import untrained
 from studies.shared.clips import testing_of
 from studies.shared.material import Material
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Claim, Result, Table
 
 WINDOWS = 64
 """Test windows that give the range of the hidden units."""
@@ -39,8 +38,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     _, _, initial_correlations = np.array(initial).T
     listed = ", ".join(f"{value:.1f}" for value in joints)
     lasting = ", ".join(f"{value:.1f}" for value in frames)
-    groups = [("joints", list(joints), None), ("frames", list(frames), None)]
-    names = [row[0] for row in rows]
     return Result(
         "What the filters express",
         [Table("Medians over the filters; mean correlation of two units:", HEADER, rows)],
@@ -62,7 +59,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 f"joints by layer {listed}, frames {lasting}.",
             ),
         ],
-        {"filters": Picture(lambda: bars_figure(names, groups, "median of the filters"))},
     )
 
 

@@ -12,7 +12,7 @@ from numpy_cae.viz.actor import (
     motion_actor,
     side_by_side,
 )
-from numpy_cae.viz.curves import Curve, bars_figure, curves_figure, matrix_figure
+from numpy_cae.viz.curves import Curve, curves_figure, matrix_figure
 from numpy_cae.viz.index_page import save_index
 from numpy_cae.viz.live_curve import LiveCurve
 from numpy_cae.viz.sliders import Chart, slider_figure

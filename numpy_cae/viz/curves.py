@@ -1,4 +1,4 @@
-"""Curves, bars, and a matrix of distances."""
+"""Curves, and a matrix of distances."""
 
 from __future__ import annotations
 
@@ -55,34 +55,6 @@ def curves_figure(
         )
     _finish(axes, across, up)
     figure.legend(loc="outside right upper", frameon=False, fontsize=8)
-    return figure
-
-
-def bars_figure(
-    names: Sequence[str], groups: Sequence[tuple[str, Sequence[float], str | None]], up: str
-) -> Figure:
-    """Draw a group of bars for each name.
-
-    Parameters
-    ----------
-    names : sequence of str
-    groups : sequence of (label, heights, colour)
-        One height for each name.
-    up : str
-        Label of the vertical axis, with the unit.
-    """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
-    axes = figure.add_subplot()
-    places, width = np.arange(len(names)), 0.8 / len(groups)
-    for number, (label, heights, colour) in enumerate(groups):
-        shift = (number - (len(groups) - 1) / 2) * width
-        axes.bar(places + shift, heights, width, color=colour, label=label)
-    axes.set_xticks(places, names, rotation=40, ha="right", fontsize=8)
-    _finish(axes, "", up)
-    axes.grid(False, axis="x")
-    figure.legend(loc="outside upper center", ncols=len(groups), frameon=False, fontsize=8)
     return figure
 
 

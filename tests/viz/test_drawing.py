@@ -1,10 +1,10 @@
-"""Strips, curves and bars, and pictures written atomically."""
+"""Strips and curves, and pictures written atomically."""
 
 import numpy as np
 import pytest
 
 from numpy_cae.motion import JOINTS, PARENTS
-from numpy_cae.viz import Actor, Curve, bars_figure, curves_figure, matrix_figure, strip_figure
+from numpy_cae.viz import Actor, Curve, curves_figure, matrix_figure, strip_figure
 from numpy_cae.viz.camera import bones, camera_view
 
 
@@ -49,17 +49,11 @@ def test_a_strip_has_a_row_for_each_motion_and_cuts_nothing_off():
     assert low < points[:, 1].min() and points[:, 1].max() < high
 
 
-def test_curves_and_bars_have_their_values():
+def test_curves_have_their_values():
     curves = [Curve([0, 1], [2.0, 3.0], "a", "#112233", "--"), Curve([0, 1], [1, 1], "b")]
     first, second = curves_figure(curves, "x", "y, cm").axes[0].lines
     np.testing.assert_array_equal(first.get_ydata(), [2, 3])
     assert (first.get_color(), first.get_linestyle(), second.get_label()) == ("#112233", "--", "b")
-    figure = bars_figure(["p", "q"], [("a", [1, 2], None), ("b", [3, 4], "#445566")], "cm")
-    bars = figure.axes[0].patches
-    assert [bar.get_height() for bar in bars] == [1, 2, 3, 4]
-    centres = np.array([bar.get_x() + bar.get_width() / 2 for bar in bars]).reshape(2, 2)
-    np.testing.assert_allclose(centres.mean(axis=0), [0, 1])
-    assert np.all(centres[0] < centres[1])
 
 
 def test_a_matrix_names_its_rows():
