@@ -142,7 +142,7 @@ def show(
     if path is None and ipython.shell():
         return viz.in_notebook(actors, rate, 560 if findings else 420, entries)
     page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
-    viz.save_viewer(actors, page, rate, "", bool(findings), entries)
+    viz.save_viewer(actors, page, rate, overlaid=bool(findings), findings=entries)
     if path is None:
         webbrowser.open(page.as_uri())
     return None

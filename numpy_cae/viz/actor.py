@@ -43,15 +43,6 @@ class Actor:
         object.__setattr__(self, "label", visible(self.label))
         object.__setattr__(self, "names", tuple(map(visible, self.names)))
 
-    def at_frames(self, frames: np.ndarray) -> Actor:
-        """The same motion with other frames, given by their indices."""
-        chosen = {
-            name: value[frames]
-            for name in ("positions", "moved")
-            if (value := getattr(self, name)) is not None
-        }
-        return replace(self, **chosen)
-
 
 def compared(actor: Actor, first: Actor) -> Actor:
     """The motion with the distances of its joints from those of `first`, in metres: the first joint

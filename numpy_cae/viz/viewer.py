@@ -50,12 +50,9 @@ def save_viewer(
     path: str | Path,
     rate: float,
     title: str = "",
-    overlaid: bool = False,
-    findings: Sequence[Mapping] = (),
-    command: str = "",
     summary: Sequence[str] = (),
     measures: Sequence[tuple[str, float, float]] = (),
-    rows: Mapping[str, np.ndarray] = MappingProxyType({}),
+    **shown: Any,
 ) -> None:
     """Write a page that plays motions side by side or overlaid, atomically.
 
@@ -68,22 +65,14 @@ def save_viewer(
         Frames a second of the motions.
     title : str
         Of the page; by default the labels of the motions.
-    overlaid : bool
-        Start with all motions in one place instead of side by side. The first is translucent.
-    findings : sequence of dict
-        What the page lists as damaged: "joint", "frames" (first and last), and optionally "kind",
-        "evidence", "cm", "confidence" (0 to 1) and "status".
-    command : str
-        A command line that repairs everything, into a file whose name ends in "_finding_0". The
-        page writes the number of a finding there, and adds --only.
     summary : sequence of str
         What the page says first.
     measures : sequence of (str, float, float)
         A name with its unit, and its value before and after; a smaller one is better.
-    rows : mapping of str to (F,) array of float
-        The name and the values, 0 to 1, of rows of bars below the slider.
+    shown
+        Arguments of `fragment`: overlaid, findings, command and rows.
     """
-    page = page_html(actors, rate, title, overlaid, findings, command, rows)
+    page = page_html(actors, rate, title, **shown)
     page = page.replace("</h1>", f"</h1>\n{_summary(summary, measures)}", 1)
     with atomic_write(path) as temporary:
         Path(temporary).write_text(page, encoding="utf-8")
@@ -107,10 +96,10 @@ def after_text(before: float, after: float) -> str:
     return f"{after:.3g}{' (worse)' if after > 1.01 * before + 0.1 else ''}"
 
 
-def page_html(actors: Sequence[Actor], rate: float, title: str = "", *more: Any) -> str:
-    """The page that `save_viewer` writes; `more` are its further arguments."""
+def page_html(actors: Sequence[Actor], rate: float, title: str = "", **shown: Any) -> str:
+    """A page that plays motions; arguments as in `save_viewer`."""
     title = title or ", ".join(actor.label for actor in actors)
-    viewer = fragment(actors, rate, "whole", *more)
+    viewer = fragment(actors, rate, "whole", **shown)
     page = Template(page_text("page.html"))
     return page.substitute(title=escape(visible(title)), head=head(), viewer=viewer)
 
@@ -139,19 +128,33 @@ def fragment(
     command: str = "",
     rows: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> str:
-    """The HTML of one viewer; the page needs `head` too. Arguments as in `save_viewer`; a viewer of
-    the `style` "whole" fills its page, has the page's keys and follows #frame=58 in its address."""
+    """The HTML of one viewer; the page needs `head` too.
+
+    Parameters
+    ----------
+    actors, rate
+        As in `save_viewer`.
+    style : str
+        A viewer of the style "whole" fills its page, has the page's keys and follows #frame=58 in
+        its address.
+    overlaid : bool
+        Start with all motions in one place instead of side by side. The first is translucent.
+    findings : sequence of dict
+        What the page lists as damaged: "joint", "frames" (first and last), and optionally "kind",
+        "evidence", "cm", "confidence" (0 to 1) and "status".
+    command : str
+        A command line that repairs everything, into a file whose name ends in "_finding_0". The
+        page writes the number of a finding there, and adds --only.
+    rows : mapping of str to (F,) array of float
+        The name and the values, 0 to 1, of rows of bars below the slider.
+    """
     longest = max(len(actor.positions) for actor in actors)
-    actors = [
-        actor.at_frames(np.minimum(np.arange(longest), len(actor.positions) - 1))
-        for actor in actors
-    ]
     data = {
         "rate": rate,
         "frames": longest,
         "overlaid": overlaid,
         "scale": SCALE,
-        "motions": [_packed(actor, actors[0]) for actor in actors],
+        "motions": [_packed(actor, actors[0], longest) for actor in actors],
         "findings": list(findings),
         "command": visible(command),
         "rows": {visible(name): np.round(values, 3).tolist() for name, values in rows.items()},
@@ -171,12 +174,13 @@ def page_text(name: str) -> str:
     return _FOLDER.joinpath(name).read_text(encoding="utf-8")
 
 
-def _packed(actor: Actor, first: Actor) -> dict:
+def _packed(actor: Actor, first: Actor, frames: int) -> dict:
+    """A motion in so many frames, of which the last ones repeat its last pose."""
     step = max(_STEP, float(np.nanmax(np.abs(first.positions))) / 2**28)
-    steps = _steps(actor.positions, step)
-    from_first = actor is not first and actor.positions.shape == first.positions.shape
+    steps = _steps(actor.positions, step, frames)
+    from_first = actor is not first and len(actor.parents) == len(first.parents)
     if from_first:
-        steps -= _steps(first.positions, step)
+        steps -= _steps(first.positions, step, frames)
     differences = np.diff(steps, axis=1, prepend=0)
     signed = (differences << 1) ^ (differences >> 31)
     packed = {
@@ -189,7 +193,8 @@ def _packed(actor: Actor, first: Actor) -> dict:
         "step": step,
     }
     if actor.moved is not None:
-        packed["moved"] = deflated(_levels(actor.moved).T.tobytes())
+        levels = np.pad(_levels(actor.moved), ((0, frames - len(actor.moved)), (0, 0)), "edge")
+        packed["moved"] = deflated(levels.T.tobytes())
     return packed
 
 
@@ -200,11 +205,12 @@ def _levels(moved: np.ndarray) -> np.ndarray:
     return np.where(moved < least, 0, 1 + np.round(254 * share)).astype(np.uint8)
 
 
-def _steps(positions: np.ndarray, step: float) -> np.ndarray:
+def _steps(positions: np.ndarray, step: float, frames: int) -> np.ndarray:
     """(3 J, F) int32: a row for each coordinate, that of a joint but the first from the first."""
     local = np.nan_to_num(np.asarray(positions, dtype=np.float64))
     local = np.concatenate([local[:, :1], local[:, 1:] - local[:, :1]], axis=1)
-    return np.round(local / step).astype(np.int32).reshape(len(local), -1).T.copy()
+    steps = np.round(local / step).astype(np.int32).reshape(len(local), -1).T.copy()
+    return np.pad(steps, ((0, 0), (0, frames - len(local))), "edge")
 
 
 def deflated(values: bytes) -> str:
@@ -247,5 +253,5 @@ def in_notebook(
     height : int
         Of the frame, in pixels.
     """
-    page = page_html(actors, rate, "", bool(findings), findings)
+    page = page_html(actors, rate, overlaid=bool(findings), findings=findings)
     return Player(page, f"an animation: {', '.join(actor.label for actor in actors)}", height)

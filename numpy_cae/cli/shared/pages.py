@@ -66,7 +66,8 @@ def write_page(
     actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
     entries = [finding.to_json() for finding in repaired.listed()]
     page = target.with_suffix(".html")
-    save_viewer(actors, page, motion.rate, title, True, entries, command, said, values)
+    shown = {"overlaid": True, "findings": entries, "command": command}
+    save_viewer(actors, page, motion.rate, title, said, values, **shown)
     changed = np.flatnonzero(repaired.touched.any(axis=1)) + len(motion) - len(repaired.motion)
     return strip_svg(actors, changed)
 
