@@ -206,7 +206,7 @@ def usable(motion: Motion, finding: Finding) -> Finding:
     kind = finding.kind
     last = len(motion) - 1
     names = joint_names(motion)
-    if joint in motion.skeleton.names:
+    if joint not in JOINTS and joint in motion.skeleton.names:
         joint = names[motion.skeleton.index(joint)]
     elif joint not in (BODY, *names):
         raise ValueError(f"{finding}: the rig has no joint {joint!r}")

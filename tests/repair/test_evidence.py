@@ -9,13 +9,13 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.manifold import starter
-from numpy_cae.mocap import body_positions
+from numpy_cae.mocap import body_positions, rig_of
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.repair import PRESETS, Finding, Preset, repair
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import is_path
+from numpy_cae.repair.finding import is_path, usable
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.repair.repair import mend
@@ -342,3 +342,13 @@ def test_a_motion_that_shakes_and_jumps_is_smoothed_about_as_by_ten_lines(walk):
 @pytest.mark.parametrize("frames", [1, 2, 4, 7])
 def test_short_motions_pass(walk, frames):
     assert len(mend(walk.at(slice(frames)), PRESETS["video"])[0]) == frames
+
+
+def test_our_name_of_a_joint_comes_before_a_joint_of_the_rig_of_that_name():
+    """In VRM the joint `chest` is the one that we call the spine."""
+    walk = make_take("walk", 0, seconds=1.0).motion
+    names = [{"upperback": "chest"}.get(name, name) for name in walk.skeleton.names]
+    renamed = replace(walk, skeleton=replace(walk.skeleton, names=tuple(names)))
+    assert rig_of(renamed).joints[JOINTS.index("spine")] == names.index("chest")
+    assert usable(renamed, Finding("chest", (0, 5))).joint == "chest"
+    assert usable(renamed, Finding("thorax", (0, 5))).joint == "chest"

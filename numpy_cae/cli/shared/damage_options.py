@@ -12,6 +12,7 @@ from typing import Any
 
 from numpy_cae.cli.shared import arguments
 from numpy_cae.mocap import MotionFileError
+from numpy_cae.mocap.formats.text_file import TextFile
 from numpy_cae.mocap.retarget.to_rig import moves_alone
 from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
@@ -47,79 +48,56 @@ def is_chosen(args: argparse.Namespace) -> bool:
 
 
 def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] | None:
-    """What the options name, as findings of kind "marked"; None without options. Entries of the
-    mask file that have a kind are findings themselves, as `repair --findings` writes them.
+    """What the options name, as findings; None without options.
 
     Raises UnknownRigError for an unknown joint, ValueError for frames that the motion does not
     have, MotionFileError for a mask file that is not as above.
     """
     if not is_chosen(args):
         return None
+    frames = {"frames": args.frames} if args.frames else {}
+    named = [{"joint": name} for name in args.joint] + [{"limb": name} for name in args.limb]
     findings = []
-    if args.joint or args.limb or args.frames:
-        findings += _marked(motion, args.joint, args.limb, args.frames)
+    for entry in named or [{}] * bool(frames):
+        findings += _findings_of(entry | frames, motion)
     for number, entry in enumerate(_entries(args.mask) if args.mask else (), start=1):
         try:
             findings += _findings_of(entry, motion)
         except ValueError as error:
             raise MotionFileError(args.mask, None, f"entry {number}: {error}") from None
-    return findings
-
-
-def _marked(
-    motion: Motion, joints: list[str], limbs: list[str], frames: list[int] | None
-) -> list[Finding]:
-    """A finding for each joint that is named or in a limb, or for the whole body."""
-    chosen = [JOINTS[joint_index(name, motion)] for name in joints]
-    if len(chosen) == 1 and not limbs and not moves_alone(motion, chosen[0]):
-        raise ValueError(f"{chosen[0]} is fixed to other joints, of which none is named")
-    for limb in limbs:
-        if limb not in LIMBS:
-            raise ValueError(f"there is no limb {limb!r}, expected one of {', '.join(LIMBS)}")
-        chosen += LIMBS[limb]
-    first, last = (0, len(motion) - 1) if frames is None else frames
-    if not 0 <= first <= last < len(motion):
-        after = "the first is after the last and " if first > last else ""
-        raise ValueError(f"frames {first} to {last}, {after}the motion has 0 to {len(motion) - 1}")
-    return [Finding(joint, (first, last)) for joint in dict.fromkeys(chosen) or [BODY]]
+    marked = {finding.joint for finding in findings if finding.kind == "marked"}
+    if len(marked) == 1 and marked < set(JOINTS) and not moves_alone(motion, *marked):
+        raise ValueError(f"{', '.join(marked)} is fixed to other joints, of which none is named")
+    return list(dict.fromkeys(findings))
 
 
 def _entries(path: Path) -> list:
     """The entries of a mask file."""
-    if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise MotionFileError(path, None, "expected a regular file")
     try:
-        entries = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_once_each)
+        entries = json.loads(TextFile.read(path).data)
     except (json.JSONDecodeError, RecursionError) as error:
         raise MotionFileError(path, getattr(error, "lineno", None), f"not JSON: {error}") from None
-    except ValueError as error:
-        raise MotionFileError(path, None, str(error)) from None
     if not isinstance(entries, list):
         raise MotionFileError(path, None, f"expected a list such as {EXAMPLE}")
     return entries
 
 
-def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A JSON object; ValueError if a key is in it twice."""
-    entry = dict(pairs)
-    if len(entry) < len(pairs):
-        twice = next(key for key in entry if [name for name, _ in pairs].count(key) > 1)
-        raise ValueError(f"{twice!r} is twice in one entry")
-    return entry
-
-
 def _findings_of(entry: Any, motion: Motion) -> list[Finding]:
-    """What an entry of a mask file says."""
-    if isinstance(entry, dict) and "kind" in entry:
+    """What an entry of a mask file says: a finding for its joint, each joint of its limb, or the
+    whole body."""
+    if not isinstance(entry, dict):
+        raise ValueError(f"expected one such as in {EXAMPLE}")
+    if "kind" in entry:
         return [usable(motion, Finding.from_json(entry))]
-    match (
-        {"joint": None, "limb": None, "frames": None} | entry if isinstance(entry, dict) else entry
-    ):
-        case {
-            "joint": None | str() as joint,
-            "limb": None | str() as limb,
-            "frames": None | [int(), int()] as frames,
-            **others,
-        } if not others:
-            return _marked(motion, [joint] if joint else [], [limb] if limb else [], frames)
-    raise ValueError(f"expected one such as in {EXAMPLE}")
+    joints = []
+    if "joint" in entry:
+        joints.append(JOINTS[joint_index(str(entry["joint"]), motion)])
+    if "limb" in entry:
+        limb = str(entry["limb"])
+        if limb not in LIMBS:
+            raise ValueError(f"there is no limb {limb!r}, expected one of {', '.join(LIMBS)}")
+        joints += LIMBS[limb]
+    whole = {"frames": [0, len(motion) - 1]}
+    others = {key: value for key, value in entry.items() if key != "limb"}
+    marks = [whole | others | {"joint": joint} for joint in joints or [BODY]]
+    return [usable(motion, Finding.from_json(mark)) for mark in marks]
