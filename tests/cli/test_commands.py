@@ -78,7 +78,6 @@ def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
     file = train([walks, other], tmp_path / "m.npz", *options)
     captured = capsys.readouterr()
     assert "4 takes to train on (0.2 min, less than 10 is little" in captured.err
-    assert "centimetres (7)" in captured.err
     assert "| the network " in captured.out
     manifold = load_manifold(file)
     assert manifold.rescales and manifold.settings["takes"] == 4

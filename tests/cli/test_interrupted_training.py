@@ -122,4 +122,4 @@ def test_a_bad_file_is_listed_and_left_out(walks, tmp_path, capsys, run):
     run("train", motions, "-o", out, *TINY)
     printed = capsys.readouterr().err
     assert f"left out: {motions / 'bad.bvh'}:2: " in printed
-    assert "4 files read, 1 left out" in printed
+    assert "4 takes to train on" in printed

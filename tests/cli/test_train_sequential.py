@@ -12,7 +12,7 @@ def test_it_trains_and_measures(walks, tmp_path, capsys, run):
     file = tmp_path / "seq.npz"
     run("train", walks, "-o", file, "--test", "*_2.bvh", *TINY)
     captured = capsys.readouterr()
-    assert "3 motions to train on" in captured.err
+    assert "3 takes to train on" in captured.err
     assert "| walking: the network" in captured.out
     manifold = load_manifold(file)
     assert (manifold.network.hidden, manifold.network.latent) == (6, 3)

@@ -14,25 +14,20 @@ import argparse
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from numpy_cae import viz
 from numpy_cae.cli.shared import arguments, train_options
-from numpy_cae.cli.shared.output import note, require_place
-from numpy_cae.cli.shared.takes import each_usable, minutes_of, read_takes
+from numpy_cae.cli.shared.output import require_place
+from numpy_cae.cli.shared.takes import each_usable, in_halves, read_takes
+from numpy_cae.evaluation.half_removed import NOTE, half_removed
+from numpy_cae.evaluation.reconstruction import reconstruction
 from numpy_cae.manifold import learn_manifold, learn_sequences
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.load import is_test, load_angles
-from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
+from numpy_cae.motion.angles import ANGLE_RATE
 from numpy_cae.training import Checkpoint, ProgressPrinter
-
-MEASURES = {
-    "convolutional": "numpy_cae.evaluation.half_removed",
-    "sequential": "numpy_cae.evaluation.reconstruction",
-}
-"""The module that measures a model on test takes."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,8 +59,6 @@ def run(args: argparse.Namespace) -> int:
         print(f"{args.output}: is complete, there is nothing to continue")
         return 0
     learn = _learn_sequences if args.model == "sequential" else _learn_windows
-    # A signal in the middle of an import may end as an ImportError: import before they are handled.
-    import_module(MEASURES[args.model])
     with interruptible(checkpoint):
         settings = {
             "seed": args.seed,
@@ -79,12 +72,10 @@ def run(args: argparse.Namespace) -> int:
         checkpoint.remove()
     picture = args.output.with_suffix(".png")
     _draw_losses(manifold.settings["losses"], picture)
-    text = f"{picture}: loss by epoch\n{args.output}: learned from {source}"
-    try:
-        text += f"\n\n{measure()}" if args.test else "; no error is measured without --test"
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"{args.output} is complete, but not measured") from None
-    print(text)
+    hint = "" if args.test else "; no error is measured without --test"
+    print(f"{picture}: loss by epoch\n{args.output}: learned from {source}{hint}")
+    if args.test:
+        print(f"\n{measure()}")
     return 0
 
 
@@ -103,8 +94,6 @@ the test takes and returns them as text."""
 
 def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the convolutional model from every file in the folders."""
-    from numpy_cae.evaluation.half_removed import NOTE, half_removed
-
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for group in files.values() for path in group]
     training, testing = read_takes(paths, *arguments.reading(args), args.test)
@@ -122,25 +111,15 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the sequential model of one action from every file in the folders."""
-    from numpy_cae.evaluation.reconstruction import reconstruction
-
-    halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
     reading = arguments.reading(args)
-    for path, angles in each_usable(args.folders, lambda path: load_angles(path, *reading)):
-        halves[is_test(path, args.test)].append(angles)
-    training, testing = halves
-    if args.test and not testing:
-        raise ValueError(f"no file matches {' '.join(args.test)}, none is left to test")
-    if not training:
-        raise ValueError(f"every file matches {' '.join(args.test)}, none is left to train")
-    minutes = minutes_of(training, ANGLE_RATE)
-    note(f"{len(training)} motions to train on ({minutes}), {len(testing)} to test")
+    takes = each_usable(args.folders, lambda path: load_angles(path, *reading))
+    training, testing = in_halves(takes, args.test, ANGLE_RATE)
     schedule = train_options.sequence_schedule_of(args, args.recipe)
     settings |= train_options.given(args, "hidden", "latent", "frames")
     manifold = learn_sequences(training, schedule, **settings)
     source = f"clips of {manifold.frames} frames of {len(training)} motions"
     name = args.folders[0].resolve().name
-    return manifold, source, lambda: reconstruction(name, manifold, *halves).text()
+    return manifold, source, lambda: reconstruction(name, manifold, training, testing).text()
 
 
 @contextmanager

@@ -1,7 +1,6 @@
 """Takes to train and to test on, from motion files."""
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from pathlib import Path
 from typing import TypeVar
 
@@ -10,62 +9,52 @@ import numpy as np
 from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.mocap import Coordinates, MotionFileError, UnknownRigError, find_motion_files
 from numpy_cae.mocap.bodies import ReadResult, read_bodies
-from numpy_cae.mocap.coordinates import unit_name
 from numpy_cae.mocap.load import is_test
 from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.motion import RATE
 
-Take = TypeVar("Take")
+Take = TypeVar("Take", bound=Sized)
 
 
 def read_takes(
-    paths: Sequence[Path],
-    mapping: Mappings = None,
-    coordinates: Coordinates | None = None,
-    test: Sequence[str] = (),
+    paths: Sequence[Path], mapping: Mappings, coordinates: Coordinates, test: Sequence[str]
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Each motion file as twenty joints at 30 frames a second, (F, 20, 3) in metres, for training
-    and for testing.
-
-    Files whose name matches a pattern in `test` are for testing. A file that cannot be used is an
-    error of `read_bodies` if it is the only one, otherwise it is reported and skipped.
-
-    Raises ValueError if the patterns leave nothing to test or to train on.
-    """
-    for pattern in test:
-        if not any(is_test(path, [pattern]) for path in paths):
-            raise ValueError(f"no file matches {pattern!r}, none is left to test")
-    training: list[np.ndarray] = []
-    testing: list[np.ndarray] = []
-    units: Counter[str] = Counter()
+    """Each motion file as twenty joints at 30 frames a second, (F, 20, 3) in metres, in two halves
+    as those of `in_halves`."""
+    takes = []
     changed = 0
     for body in usable_bodies(paths, mapping, coordinates):
-        (testing if is_test(body.path, test) else training).append(body.positions)
-        units[unit_name(body.unit)] += 1
+        takes.append((body.path, body.positions))
         changed += len(body.notes) > 1
         for doubt in body.notes:
             if doubt.in_doubt:
                 note(f"{body.path}: {doubt.text}")
-    left_out = len(paths) - units.total()
-    if test and not testing:
-        raise ValueError("every file to test was left out, see above")
-    if not training:
-        raise ValueError(f"every file matches {' or '.join(test)}, none is left to train")
-    skipped = f", {left_out} left out" if left_out else ""
-    note(
-        f"{len(paths) - left_out} files read{skipped}: {len(training)} takes to train on "
-        f"({minutes_of(training, 30)}), {len(testing)} to test; lengths in "
-        + ", ".join(f"{unit} ({count})" for unit, count in units.most_common())
-    )
     if changed:
         what = "were turned, moved to a floor at 0 or are odd in another way"
         note(f"{changed} files {what}; see `numpy-cae rig FILE`")
+    return in_halves(takes, test, RATE)
+
+
+def in_halves(
+    takes: Iterable[tuple[Path, Take]], test: Sequence[str], rate: float
+) -> tuple[list[Take], list[Take]]:
+    """The takes to train on, and those to test on, whose file's name matches a pattern in `test`.
+
+    Says how many there are; `rate` is their frames a second. Raises ValueError if a pattern matches
+    no take, or none is left to train on.
+    """
+    takes = list(takes)
+    for pattern in test:
+        if not any(is_test(path, [pattern]) for path, _ in takes):
+            raise ValueError(f"no file that was read matches {pattern!r}, none is left to test on")
+    training = [take for path, take in takes if not is_test(path, test)]
+    testing = [take for path, take in takes if is_test(path, test)]
+    if not training:
+        raise ValueError(f"every file matches {' '.join(test)}, none is left to train on")
+    minutes = sum(map(len, training)) / rate / 60
+    few = ", less than 10 is little to learn from" if minutes < 10 else ""
+    note(f"{len(training)} takes to train on ({minutes:.1f} min{few}), {len(testing)} to test on")
     return training, testing
-
-
-def minutes_of(takes: Sequence[np.ndarray], rate: float) -> str:
-    """The length of takes with `rate` frames a second in minutes, with a warning below ten."""
-    minutes = sum(map(len, takes)) / rate / 60
-    return f"{minutes:.1f} min" + (", less than 10 is little to learn from" if minutes < 10 else "")
 
 
 def usable_bodies(
