@@ -23,19 +23,15 @@ from numpy_cae.manifold import MotionManifold, learn_manifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, TrainingState, recipe
 from studies import (
     comparison,
-    confident_walk,
     constrained_projection,
-    delays,
     depth,
     filling_in,
-    filters,
     interpolation,
     kinect,
     repair_sweep,
     representation,
     sampling,
     sequences,
-    unpoolings,
 )
 from studies.jang2018.actions import ACTIONS, synthetic_action
 from studies.shared.material import Material, read_material
@@ -45,15 +41,11 @@ from studies.shared.result import STATEMENTS, Claim, Result, Table
 STUDIES = (
     representation,
     sampling,
-    unpoolings,
-    filters,
     repair_sweep,
     kinect,
     filling_in,
     interpolation,
-    confident_walk,
     comparison,
-    delays,
     constrained_projection,
 )
 """Those of a manifold, in the order of holden2015."""

@@ -15,21 +15,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
-from numpy_cae.viz.curves import Curve, curves_figure
 from studies.cmu_protocol import baselines
 from studies.cmu_protocol.networks import START, networks
 from studies.cmu_protocol.protocol import GROUPS, Fill, Method, Protocol, read_protocol
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Claim, Result, Table
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-SEEDS, RATE = 5, 30
+SEEDS = 5
 ROW, WINDOW, BEFORE = "the row", "7 rows around it", "; rows before"
 VISIBLE = "the take's visible columns" + BEFORE
 PUBLISHED = [
@@ -52,8 +46,6 @@ HEADER = ("method", "sees", "leg SC", "leg °", "body SC", "body °")
 FORMATS = ("", "", ".1f", ".2f", ".1f", ".2f")
 GAUSSIAN = "Gaussian process"
 NETWORK = "convolutional autoencoder"
-KNEE = 3
-"""The index of the knee among the leg's columns."""
 
 
 def simple_methods(group: str, deviation: np.ndarray) -> dict[tuple[str, str], Method]:
@@ -84,7 +76,6 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
         "CMU subject 35: a published protocol for missing data",
         tables,
         _claims(groups),
-        {"cmu35": Picture(lambda: _figure(groups[0]))},
     )
 
 
@@ -98,7 +89,6 @@ class _Group:
         self.sees = dict(methods.keys())
         self.simple = list(self.sees)
         takes = protocol.standardised
-        self.values: dict[str, np.ndarray] = {}
         self.test: dict[str, np.ndarray] = {}
         for (name, _), method in methods.items():
             self._add(protocol, name, [method(takes, self.columns)])
@@ -107,7 +97,6 @@ class _Group:
     def _add(self, protocol: Protocol, name: str, fills: Sequence[Fill]) -> None:
         values = [protocol.test_values(fill, self.columns) for fill in fills]
         self.sees.setdefault(name, VISIBLE)
-        self.values[name], self.truth = (protocol.degrees(each, self.columns) for each in values[0])
         self.test[name] = np.array([protocol.errors([each], self.columns) for each in values])
 
 
@@ -155,12 +144,3 @@ def _claims(groups: Sequence[_Group]) -> list[Claim]:
             Claim("below_simple", bool((ours < other).all()), figures + also, of),
         ]
     return claims
-
-
-def _figure(leg: _Group) -> Figure:
-    """The knee of the hidden leg over time: truth, Gaussian process, network."""
-    time = np.arange(len(leg.truth)) / RATE
-    curves = [Curve(time, leg.truth[:, KNEE], "truth", TRUTH)]
-    for name, colour in ((GAUSSIAN, CORRUPTED), (NETWORK, PROJECTED)):
-        curves.append(Curve(time, leg.values[name][:, KNEE], name, colour))
-    return curves_figure(curves, "time in the hole, s", "right knee, degrees", (9.5, 4.0))

@@ -8,25 +8,40 @@ both removed.
 Each distance makes rows of numbers of a clip, one row or one for each of its windows; the distance
 of two clips is the Euclidean distance of their nearest rows. For equation 4 that is √G, which ranks
 as G does. For PCA a row has the coordinates of a window on `AXES` axes of the training takes.
+
+Delays: is G "temporally invariant" (equation 4)? Each test take is delayed: its first pose is held
+for 1 to 24 frames, so that its content is the same. A window that is moved inside a take has
+another content, which says nothing of invariance.
+
+The nearest of a confident walk with a turn: by Euclidean distance the paper finds a sidestep and an
+old man's walk, by G "only motions with confident walks and turns". Queries and the motions that
+they search are synthetic (`data_synth`), each of another person, whatever the model has learned
+from.
+
+    python -m studies comparison --data bandai --test '*_005.bvh' -m best.npz
 """
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
+from data_synth import make_take
 from numpy_cae.evaluation import PCA
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import MotionManifold, hidden_units, signature
+from numpy_cae.mocap import body_of
 from numpy_cae.models import ConvAutoencoder
+from numpy_cae.motion.features import TURN, VELOCITY
 from numpy_cae.motion.windows import cut_windows
-from studies.shared.material import LabelledTake, Material, features_of
-from studies.shared.result import Claim, Result, Table
+from studies.shared.material import LabelledTake, Material, evenly, features_of
+from studies.shared.result import Claim, Result, Table, combined
 from studies.shared.retrieval import average_precision
 
-CONTENT, STYLE, BOTH = "content", "style", "both"
-OTHER_STYLE, OTHER_CONTENT = "content, other style", "style, other content"
+CONTENT = "content"
+STYLE = "style"
 EQUATION_4 = "G, min and max of the hidden units"
 UNTRAINED = "the same of an untrained network"
 EUCLIDEAN = "Euclidean distance of windows"
@@ -34,6 +49,33 @@ RAW_EXTREMES = "min and max of the features"
 PRINCIPAL = "PCA on windows"
 AXES = 30
 RANDOM = "drawn at random"
+DELAYS = (1, 2, 4, 8, 12, 16, 24)
+"""DELAYS: in frames."""
+TAKES = 60
+"""TAKES: the most test takes that are delayed."""
+MOST = 0.05
+"""MOST: G is invariant if no delay changes it by more than this share of the median distance of two
+takes."""
+QUERY = "confident walk with a turn"
+SCENES = {
+    QUERY: ("walk_with_turn", "confident"),
+    "confident walk": ("confident_walk", "confident"),
+    "walk with a turn": ("walk_with_turn", "neutral"),
+    "walk": ("walk", "neutral"),
+    "tired walk": ("walk", "tired"),
+    "old man's walk": ("old_mans_walk", "old"),
+    "sidestep": ("sidestep", "neutral"),
+    "run": ("run", "run"),
+    "wave": ("wave", "neutral"),
+}
+"""Name of a motion to kind and style of `data_synth`."""
+ALIKE = (QUERY, "confident walk", "walk with a turn")
+ODD = ("old man's walk", "sidestep")
+QUERIES = 8
+OF_SCENE = 6
+"""OF_SCENE: each query searches so many motions of each of `SCENES`."""
+SECONDS = 8.0
+NEAREST = 5
 Rows = Callable[[np.ndarray], np.ndarray]
 """From the features (F, 63) of a clip to its rows, (n, d) numbers."""
 Scores = dict[str, dict[str, float]]
@@ -41,18 +83,30 @@ Scores = dict[str, dict[str, float]]
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Search the training takes for each test take, with every distance.
+    """Search for each test take, delay the test takes, and search for confident walks.
 
-    The seed is for the untrained network and the random order.
+    The seed is for the untrained network, the random order and the synthetic motions.
     """
-    used = material.labelled("comparison needs")
+    rows = rows_of_distances(manifold, seed)
+    takes = features_of(manifold, evenly(material.testing, TAKES))
+    few = {name: rows[name] for name in (EQUATION_4, EUCLIDEAN, RAW_EXTREMES)}
+    parts = [
+        retrieval(manifold, material.labelled("comparison needs"), rows, seed),
+        delays(few, takes),
+        nearest(manifold, few, seed),
+    ]
+    return combined("Motion comparison: what the distance of equation 4 finds", parts)
+
+
+def retrieval(manifold: MotionManifold, used: Material, rows: dict[str, Rows], seed: int) -> Result:
+    """Search the training takes for each test take, with every distance."""
     training = features_of(manifold, used.training)
     testing = features_of(manifold, used.testing)
-    rows = rows_of_distances(manifold, seed)
     windows = np.concatenate([rows[EUCLIDEAN](features) for features in training])
     pca = PCA.fit(windows)
-    rows[PRINCIPAL] = lambda features: (rows[EUCLIDEAN](features) - pca.mean) @ pca.axes[:AXES].T
-    between = {name: distances(of_clip, testing, training) for name, of_clip in rows.items()}
+    scores = {PRINCIPAL: lambda clip: (rows[EUCLIDEAN](clip) - pca.mean) @ pca.axes[:AXES].T}
+    every = (rows | scores).items()
+    between = {name: distances(of_clip, testing, training) for name, of_clip in every}
     between[RANDOM] = np.random.default_rng(seed).random((len(testing), len(training)))
     average = retrieved(between, used.testing, used.training)
     by_distance = {name: [scores[name] for scores in average.values()] for name in between}
@@ -61,12 +115,13 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "precision for takes with the same label; in the last two columns takes that agree in both "
         "were removed:"
     )
-    rows = [[name, *by_distance[name]] for name in between]
-    return Result(
-        "Motion comparison: what the distance of equation 4 finds",
-        [Table(caption, ["distance", *average], rows, best="high")],
-        _claims(average),
+    table = Table(
+        caption,
+        ["distance", *average],
+        [[name, *by_distance[name]] for name in between],
+        best="high",
     )
+    return Result("", [table], _claims(average))
 
 
 def _claims(average: Scores) -> list[Claim]:
@@ -115,9 +170,13 @@ def labels_of_pairs(
     )
     both = content & style
     nothing = np.zeros_like(content)
-    labels = {CONTENT: content, STYLE: style, BOTH: both}
-    alike = {label: (same, nothing) for label, same in labels.items()}
-    return alike | {OTHER_STYLE: (content, both), OTHER_CONTENT: (style, both)}
+    return {
+        CONTENT: (content, nothing),
+        STYLE: (style, nothing),
+        "both": (both, nothing),
+        "content, other style": (content, both),
+        "style, other content": (style, both),
+    }
 
 
 def distances(rows: Rows, clips: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> np.ndarray:
@@ -157,3 +216,80 @@ def untrained(manifold: MotionManifold, seed: int) -> MotionManifold:
     rng = np.random.default_rng(seed)
     network = ConvAutoencoder(features, filters, taps, layers[0].bound, rng)
     return replace(manifold, network=accelerate(network), rescales=False)
+
+
+def delays(rows: dict[str, Rows], takes: list[np.ndarray]) -> Result:
+    """The squared distance of each take, features (F, 63), to its delayed copies."""
+    shares = {name: _of_delays(of_clip, takes) for name, of_clip in rows.items()}
+    header = ["squared distance", *(f"{delay} frames" for delay in DELAYS)]
+    caption = "Of a take and its delayed copy, as a share of the median of two takes:"
+    table = Table(caption, header, [[name, *row] for name, row in shares.items()], ".1%")
+    largest = {name: max(row) for name, row in shares.items()}
+    claim = Claim(
+        "G_invariant",
+        largest[EQUATION_4] < MOST,
+        f"at most {largest[EQUATION_4]:.1%} of the median distance of two takes;",
+        opponent=f"min and max of the features {largest[RAW_EXTREMES]:.1%}, "
+        f"Euclidean distance {largest[EUCLIDEAN]:.1%}.",
+    )
+    return Result("", [table], [claim])
+
+
+def _of_delays(rows: Rows, takes: list[np.ndarray]) -> list[float]:
+    """For each delay the squared distance as a share of the median of two takes."""
+    between = distances(rows, takes, takes) ** 2
+    median = np.median(between[~np.eye(len(takes), dtype=bool)])
+    shares = []
+    for delay in DELAYS:
+        delayed = distances(rows, takes, [_delayed(take, delay) for take in takes])
+        shares.append(float(np.median(np.diag(delayed) ** 2) / median))
+    return shares
+
+
+def _delayed(features: np.ndarray, frames: int) -> np.ndarray:
+    """The same motion after its first pose was held, standing still."""
+    held = np.repeat(features[:1], frames, axis=0)
+    held[:, VELOCITY] = 0
+    held[:, TURN] = 0
+    return np.concatenate([held, features])
+
+
+def nearest(manifold: MotionManifold, rows: dict[str, Rows], seed: int) -> Result:
+    """Search for the motions nearest to each confident walk with a turn."""
+    scenes = [scene for scene in SCENES for _ in range(OF_SCENE)]
+    made = [
+        manifold.features(_body(scene, seed, number))[0]
+        for number, scene in enumerate([QUERY] * QUERIES + scenes)
+    ]
+    counts = {}
+    for name, of_clip in rows.items():
+        between = distances(of_clip, made[:QUERIES], made[QUERIES:])
+        order = np.argsort(between, axis=1, kind="stable")[:, :NEAREST]
+        counts[name] = Counter(scenes[place] for place in order.ravel())
+    table = Table(
+        f"Shares of the nearest {NEAREST} of {QUERIES} queries, {QUERY}:",
+        ["motion", *rows],
+        [[scene, *(_share(counts[name], [scene]) for name in rows)] for scene in SCENES],
+        ".0%",
+    )
+    alike = {name: _share(each, ALIKE) for name, each in counts.items()}
+    odd = _share(counts[EUCLIDEAN], ODD)
+    only = Claim(
+        "G_finds_only",
+        alike[EQUATION_4] == 1,
+        f"{alike[EQUATION_4]:.0%} of the nearest are confident walks or have turns;",
+        opponent=f"min and max of the features {alike[RAW_EXTREMES]:.0%}, "
+        f"Euclidean {alike[EUCLIDEAN]:.0%}.",
+    )
+    strange = Claim("euclidean_odd", odd > 0, f"{odd:.0%} of its nearest are such motions.")
+    return Result("", [table], [only, strange])
+
+
+def _body(scene: str, seed: int, number: int) -> np.ndarray:
+    kind, style = SCENES[scene]
+    rng = np.random.default_rng([seed, number])
+    return body_of(make_take(kind, rng, SECONDS, 30.0, style).motion)
+
+
+def _share(counts: Counter, scenes: Sequence[str]) -> float:
+    return sum(counts[scene] for scene in scenes) / (QUERIES * NEAREST)

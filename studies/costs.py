@@ -5,7 +5,7 @@ peak memory of the first process. Readers of the package index are timed if they
 install pybvh bvhio bvhtoolbox bvh`). A slope is that of a straight line through the larger sizes,
 logarithm of the time over logarithm of the size: 1 is linear.
 
-    python -m studies costs -o costs
+    python -m studies costs
 """
 
 import os
@@ -28,8 +28,7 @@ from numpy_cae.fast import accelerate
 from numpy_cae.mocap import load_motion, write_bvh
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import Motion, Skeleton
-from numpy_cae.viz import Curve, curves_figure
-from studies.shared.result import Picture, Result, Table
+from studies.shared.result import Result, Table
 from studies.timing.torch_convolutional import FRAMES
 from studies.timing.torch_sequential import LATENT, step
 
@@ -66,11 +65,7 @@ def run() -> Result:
     rows = [_row(what, costs) for what, costs in grown.items()]
     header = ["size", "from", "to", "first, s", "last, s", "slope", "peak at the last, MB"]
     growth = Table("", header, rows, ("", "", "", ".3f", ".3f", ".2f", ".0f"))
-    pictures = {
-        f"growth_{what.split()[0]}": Picture(partial(_figure, what, costs))
-        for what, costs in grown.items()
-    }
-    return Result("Costs", [commands, speeds, growth], figures=pictures)
+    return Result("Costs", [commands, speeds, growth])
 
 
 def _cost(*words: object) -> tuple[float, float]:
@@ -181,14 +176,3 @@ def _slope(costs: Costs) -> float:
 def _row(what: str, costs: Costs) -> list[object]:
     first, last = min(costs), max(costs)
     return [what, first, last, costs[first][0], costs[last][0], _slope(costs), costs[last][1]]
-
-
-def _figure(what: str, costs: Costs):
-    sizes = sorted(costs)
-    seconds = [costs[n][0] for n in sizes]
-    linear = [seconds[-1] * n / sizes[-1] for n in sizes]
-    curves = [Curve(sizes, seconds, f"measured, slope {_slope(costs):.2f}", style="o-")]
-    curves.append(Curve(sizes, linear, "linear", style="--"))
-    figure = curves_figure(curves, what, "processor seconds")
-    figure.axes[0].set(xscale="log", yscale="log")
-    return figure

@@ -18,21 +18,17 @@ from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.evaluation.half_removed import (
     COMPLETED,
     DAMAGED,
-    GAUSSIAN,
-    LINEAR,
     NETWORK,
     SIMPLE,
     SIMPLE_WITH_MASK,
-    SPLINE,
     P,
     Repairs,
 )
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
-from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, Curve, curves_figure
 from studies.shared.clips import testing_of
 from studies.shared.material import Material
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Claim, Result, Table
 
 PS = (0.1, 0.3, P, 0.7, 0.9)
 WINDOWS = 60
@@ -53,7 +49,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows, best="low")],
         _claims({name: float(each[PS.index(P)].mean()) for name, each in errors.items()}),
-        {"repair_sweep": Picture(lambda: _figure(errors))},
     )
 
 
@@ -85,14 +80,3 @@ def _claims(at: dict[str, float]) -> list[Claim]:
             opponent=f"{with_mask}: {at[with_mask]:.2f} cm.",
         ),
     ]
-
-
-def _figure(errors: Errors):
-    """Error over p; labels with "mask:" are of methods that are given which values are missing."""
-    colours = {DAMAGED: CORRUPTED, NETWORK: PROJECTED, LINEAR: PLAIN, COMPLETED: PROJECTED}
-    colours |= dict(zip((GAUSSIAN, SPLINE), OTHERS, strict=False))
-    curves = [
-        Curve(PS, errors[name].mean(axis=1), name, colour, ":" if name == COMPLETED else "-")
-        for name, colour in colours.items()
-    ]
-    return curves_figure(curves, "p, share of values removed", "error, cm")

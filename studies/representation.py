@@ -1,4 +1,4 @@
-"""The representation of holden2015, sections 3 to 5, and what section 7 says that it cannot do.
+"""The representation of holden2015, sections 3 to 6, and what section 7 says that it cannot do.
 
     python -m studies representation --data bandai --test '*_005.bvh' -m best.npz
 
@@ -6,6 +6,15 @@ Sizes and bounds of the hidden units; the path that is integrated from the veloc
 the standing feet of a projection, which "cannot guarantee constraints such as ground contact and
 joint lengths"; whether max pooling "provides a level of temporal invariance"; and the time of a
 projection.
+
+Random and even unpooling of the same hidden units (section 5): random unpooling "results in some
+noise in the produced animation", even unpooling "does result in smooth animation with no high
+frequency noise".
+
+What the filters express (section 6, "Once training is complete …"): one unit of a layer is raised
+at one moment from its mean to its 99th percentile in test windows; the layers below decode the
+difference. A filter moves the joints and lasts the frames that have together nine tenths of the
+energy of this response. An untrained network is measured beside it.
 """
 
 from dataclasses import astuple
@@ -14,12 +23,16 @@ from timeit import repeat
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.evaluation.clips import Clips
 from numpy_cae.manifold import MotionManifold, hidden_units
-from numpy_cae.motion import features_to_positions
+from numpy_cae.motion import JOINTS, POSITIONS, features_to_positions
 from numpy_cae.motion.features import bone_lengths, change_lengths
+from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
+from studies.comparison import untrained
+from studies.shared.body import jitter
 from studies.shared.clips import testing_of
 from studies.shared.material import Material, features_of
-from studies.shared.result import Claim, Result, Table
+from studies.shared.result import Claim, Result, Table, combined, moving
 from studies.shared.validity import Validity, ValidityMeasure
 
 SIZES = [(80, 64), (40, 128), (20, 256)]
@@ -27,11 +40,36 @@ SIZES = [(80, 64), (40, 128), (20, 256)]
 INTEGRATED = 0.01
 """INTEGRATED: a path is recovered if no joint is farther than this from its place (cm)."""
 WINDOWS = 64
-"""Windows that are projected together where a projection is timed."""
+"""WINDOWS: so many test windows are projected together where a projection is timed, and give the
+range of the hidden units."""
+TRUE = "truth"
+EVEN = "even unpooling"
+RANDOM = "random unpooling"
+COLOURS = {TRUE: TRUTH, EVEN: PROJECTED, RANDOM: CORRUPTED}
+NOISY = 2.0
+"""NOISY: unpooling is noisy if the jitter is more than this many times the truth's."""
+SMOOTH = 1.5
+"""SMOOTH: unpooling is smooth if the jitter is less than this many times the truth's."""
+ENERGY = 0.9
+"""ENERGY: the share of a response's energy in its joints and its frames."""
+SILENT = 1e-8
+"""SILENT: a filter whose response has less energy than this moves nothing, and is left out."""
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Measure the test takes and their projections. The seed is not used."""
+    """Measure the test takes and their projections, both unpoolings of their hidden units, and the
+    filters. The seed is for the masks of unpooling and for the untrained network."""
+    testing, sample = testing_of(manifold, material)
+    parts = [
+        limits(manifold, material, testing),
+        unpoolings(manifold, testing, seed),
+        filters(manifold, testing.evenly(WINDOWS), seed),
+    ]
+    return combined("The representation and its limits", parts, sample)
+
+
+def limits(manifold: MotionManifold, material: Material, testing: Clips) -> Result:
+    """The hidden units of the test takes, and how far projections are from valid motion."""
     network = manifold.network
     takes = features_of(manifold, material.testing)
     largest = max(float(np.abs(hidden_units(manifold, take)).max()) for take in takes)
@@ -41,23 +79,19 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     measure = ValidityMeasure(takes, manifold.lengths, manifold.rate)
     projected = Validity.mean([measure.of(manifold.project(take)) for take in takes])
     true = Validity.mean([measure.of(take) for take in takes])
-    x = testing_of(manifold, material)[0].x[:WINDOWS]
+    worse = projected.bone_length > true.bone_length and projected.foot_sliding > true.foot_sliding
+    x = testing.x[:WINDOWS]
     seconds = min(repeat(lambda: network.project(x), number=1, repeat=10)) / len(x)
     pooled, skipped = _changes(manifold, takes)
     rows = [["test takes", *astuple(true)], ["projected", *astuple(projected)]]
     return Result(
-        "The representation and its limits",
+        "",
         [Table("", ["motion", *Validity.HEADER], rows, Validity.FORMATS)],
         [
             Claim("units_bounded", largest <= 1, f"the largest of all is {largest:.3f}."),
             Claim("sizes", sizes == SIZES, f"{', '.join(f'{t} x {k}' for t, k in sizes)}."),
             Claim("path_integrated", off < INTEGRATED, f"at most {off:.1e} cm off."),
-            Claim(
-                "no_guarantee",
-                projected.bone_length > true.bone_length
-                and projected.foot_sliding > true.foot_sliding,
-                f"{projected.against(true)} of the true motion.",
-            ),
+            Claim("no_guarantee", worse, f"{projected.against(true)} of the true motion."),
             Claim(
                 "pooling_invariant",
                 pooled < skipped,
@@ -93,3 +127,112 @@ def _changes(manifold: MotionManifold, takes: list[np.ndarray]) -> tuple[float, 
             here, delayed = (np.tanh(pool(each)) for each in maps)
             changes[kind].append(float(np.sqrt(np.mean((here - delayed) ** 2) / here.var())))
     return float(np.mean(changes[0])), float(np.mean(changes[1]))
+
+
+def unpoolings(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
+    """Decode the hidden units of test windows in both ways; the masks are drawn from the seed."""
+    y = manifold.network.encode(testing.x)
+    decoded = {
+        TRUE: testing.x,
+        EVEN: manifold.network.decode(y),
+        RANDOM: _decoded_at_random(manifold, y, np.random.default_rng(seed)),
+    }
+    trembling = {name: _jitter(testing, x) for name, x in decoded.items()}
+    times = {name: each / trembling[TRUE] for name, each in trembling.items()}
+    rows = [[name, testing.error(x), trembling[name], times[name]] for name, x in decoded.items()]
+    header = ["unpooling", "error, cm", "jitter, m/s²", "of the truth's"]
+    figures = {name: f"{ratio:.1f} times the jitter of the truth." for name, ratio in times.items()}
+    motions = {n: (manifold.denormalise(decoded[n][0]), colour) for n, colour in COLOURS.items()}
+    claims = [
+        Claim("random_noisy", times[RANDOM] > NOISY, figures[RANDOM]),
+        Claim("even_smooth", times[EVEN] < SMOOTH, figures[EVEN]),
+    ]
+    pictures = {"unpoolings": moving(motions, manifold.rate)}
+    return Result("", [Table("", header, rows)], claims, pictures)
+
+
+def _decoded_at_random(
+    manifold: MotionManifold, y: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
+    for layer in reversed(manifold.network.layers):
+        y, _ = layer.decode_with_pullback(y, rng.random(y.shape) < 0.5)
+    return y
+
+
+def _jitter(testing: Clips, x: np.ndarray) -> float:
+    """The mean jitter of windows, of the frames that count, m/s²."""
+    manifold = testing.manifold
+    each = zip(manifold.denormalise(x), testing.real, strict=True)
+    kept = [features[real] for features, real in each if real.sum() > 2]
+    return float(np.mean([jitter(features_to_positions(one), manifold.rate) for one in kept]))
+
+
+def filters(manifold: MotionManifold, clips: Clips, seed: int) -> Result:
+    """Measure the filters of each layer, and those of an untrained network of this seed."""
+    trained = _layers(manifold, clips)
+    initial = _layers(untrained(manifold, seed), clips)
+    header = ["layer", "frames", "joints", "correlation"]
+    rows = [
+        [f"layer {n + 1}{kind}", *values]
+        for kind, layers in (("", trained), (", untrained", initial))
+        for n, values in enumerate(layers)
+    ]
+    frames, joints, correlations = np.array(trained).T
+    listed = ", ".join(f"{value:.1f}" for value in joints)
+    lasting = ", ".join(f"{value:.1f}" for value in frames)
+    return Result(
+        "",
+        [Table("Medians over the filters; mean correlation of two units:", header, rows)],
+        [
+            Claim(
+                "filters_correspond",
+                bool(joints[0] >= 2 and frames[0] >= 3),
+                f"a filter of layer 1 moves {joints[0]:.0f} joints for {frames[0]:.0f} frames.",
+            ),
+            Claim(
+                "filters_independent",
+                bool(correlations[0] < initial[0][2]),
+                f"two units of layer 1 correlate {correlations[0]:.2f};",
+                opponent=f"untrained {initial[0][2]:.2f}.",
+            ),
+            Claim(
+                "filters_combine",
+                bool((np.diff(joints) > 0).all() and (np.diff(frames) > 0).all()),
+                f"joints by layer {listed}, frames {lasting}.",
+            ),
+        ],
+    )
+
+
+def _layers(manifold: MotionManifold, clips: Clips) -> list[tuple[float, float, float]]:
+    """For each layer the frames that a filter lasts, the joints that it moves, and the mean
+    magnitude of the correlation of two units."""
+    measured = []
+    for n in range(1, len(manifold.network.layers) + 1):
+        units = manifold.network.encode(clips.x, layers=n)[clips.real[:, :: 2**n]]
+        energy = np.square(_responses(manifold, units, n)[..., POSITIONS], dtype=np.float64)
+        energy = energy.reshape(*energy.shape[:2], len(JOINTS), 3).sum(axis=-1)
+        energy = energy[energy.sum(axis=(1, 2)) > SILENT]
+        varied = units[:, units.std(axis=0) > 1e-6]
+        correlation = np.abs(np.corrcoef(varied, rowvar=False))
+        between = (correlation.sum() - len(correlation)) / (correlation.size - len(correlation))
+        measured.append((_count(energy.sum(axis=2)), _count(energy.sum(axis=1)), float(between)))
+    return measured
+
+
+def _responses(manifold: MotionManifold, units: np.ndarray, n: int) -> np.ndarray:
+    """What raising each of the units (N, k) of layer n adds to the motion, (k, frames, 63)."""
+    layers = manifold.network.layers[:n]
+    middle = sum(len(layer.w) // 2 * 2**below for below, layer in enumerate(layers)) // 2**n + 1
+    filters = np.arange(units.shape[1])
+    raised = np.tile(units.mean(axis=0), (len(filters) + 1, 2 * middle + 1, 1))
+    raised[filters, middle, filters] = np.quantile(units, 0.99, axis=0)
+    for layer in reversed(layers):
+        raised, _ = layer.decode_with_pullback(raised.astype(layer.w.dtype))
+    return raised[:-1] - raised[-1]  # the last one has no unit raised
+
+
+def _count(energy: np.ndarray) -> float:
+    """The median number of columns that have together `ENERGY` of each row's energy."""
+    share = np.sort(energy, axis=1)[:, ::-1].cumsum(axis=1) / energy.sum(axis=1, keepdims=True)
+    return float(np.median(1 + (share < ENERGY).sum(axis=1)))

@@ -21,7 +21,7 @@ from studies.jang2018.curves import figure_2
 from studies.jang2018.regulariser import MMD, NONE, SLICED, regulariser
 from studies.jang2018.samples import COLOURS, figure_3, samples
 from studies.jang2018.training import Study
-from studies.shared.result import Claim, Result
+from studies.shared.result import Claim, Result, combined
 
 MMD_WEIGHT = 0.1
 """MMD_WEIGHT: λ of MMD, as in the authors' later program."""
@@ -70,14 +70,10 @@ def run(
         for study in studies
         for source in COLOURS
     }
-    return Result(
-        "jang2018: Latent Motion Manifold with Sequential Auto-Encoders",
-        [table for part in parts for table in part.tables],
-        [claim for part in parts for claim in part.claims],
-        parts[0].figures | figures,
-        NOTE,
-        provenance=_provenance(studies[0], actions, schedule),
-    )
+    title = "jang2018: Latent Motion Manifold with Sequential Auto-Encoders"
+    parts.append(Result("", [], figures=figures))
+    made = _provenance(studies[0], actions, schedule)
+    return replace(combined(title, parts, NOTE), provenance=made)
 
 
 def _provenance(

@@ -74,10 +74,6 @@ class Protocol:
         rows = len(self.test) - FIRST_HIDDEN
         return np.array([rows * weighted.mean(), np.sqrt(np.square(degrees).mean())])
 
-    def degrees(self, values: np.ndarray, columns: list[int]) -> np.ndarray:
-        """Standardised angles (F, H) in degrees."""
-        return np.rad2deg(values * self.deviation[columns] + self.mean[columns])
-
     def test_values(self, fill: Fill, columns: list[int]) -> tuple[np.ndarray, np.ndarray]:
         """The hidden values of the test take as filled in and in truth, (62, H), standardised."""
         return _filled(fill, (self.test - self.mean) / self.deviation, columns, FIRST_HIDDEN)

@@ -114,3 +114,14 @@ class Result:
     def confirmed(self) -> int:
         """The number of claims that are confirmed."""
         return sum(bool(claim.confirmed) for claim in self.claims)
+
+
+def combined(title: str, parts: Sequence[Result], note: str = "") -> Result:
+    """The tables, claims and figures of several measurements as one result."""
+    return Result(
+        title,
+        [table for part in parts for table in part.tables],
+        [claim for part in parts for claim in part.claims],
+        {name: picture for part in parts for name, picture in part.figures.items()},
+        note,
+    )

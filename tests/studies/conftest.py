@@ -25,7 +25,7 @@ SMALL = {
     },
     "sampling": {"DRAWN": 4},
     "constrained_projection": {"TAKES": 1},
-    "confident_walk": {"QUERIES": 2, "TAKES": 1, "SECONDS": 3.0, "NEAREST": 2},
+    "comparison": {"QUERIES": 2, "OF_SCENE": 1, "SECONDS": 3.0, "NEAREST": 2},
     "depth": {"FILTERS": (4, 6, 8), "recipe": lambda name: Schedule(layer=Stage(rate=0.02))},
 }
 """Constants of studies that would take long."""

@@ -1,8 +1,8 @@
 """The table of statements, and the studies whose right answer is known."""
 
 from numpy_cae.training import Schedule, Stage
-from studies import claims, delays, paper_size, unpoolings
-from studies.delays import EQUATION_4, RAW_EXTREMES
+from studies import claims, comparison, paper_size, representation
+from studies.comparison import EQUATION_4, RAW_EXTREMES
 from studies.shared.result import STATEMENTS, Result
 
 
@@ -10,7 +10,7 @@ def test_both_networks_are_judged_in_the_order_of_the_statements(
     small_manifold, labelled, tmp_path, monkeypatch
 ):
     small_manifold.save(tmp_path / "model.npz")
-    monkeypatch.setattr(claims, "STUDIES", (delays, unpoolings))
+    monkeypatch.setattr(claims, "STUDIES", (comparison, representation))
     monkeypatch.setattr(claims.depth, "FILTERS", (4, 6, 8))
     slow = Schedule(layer=Stage(rate=0.02))
     monkeypatch.setattr(claims.depth, "recipe", lambda name: slow)
@@ -24,10 +24,10 @@ def test_both_networks_are_judged_in_the_order_of_the_statements(
 
 
 def test_what_a_delay_and_what_unpooling_must_do(result_of):
-    shares, _ = result_of("delays").tables
+    _, shares, _ = result_of("comparison").tables
     assert shares.value(RAW_EXTREMES, "24 frames") < 0.02  # only the hips' velocity changes
     assert shares.value(EQUATION_4, "24 frames") < 0.2
-    (table,) = result_of("unpoolings").tables
+    _, table, _ = result_of("representation").tables
     assert table.value("truth", "error, cm") == 0
     assert table.value("random unpooling", "of the truth's") > 1.5
 

@@ -7,8 +7,7 @@ import pytest
 from studies.shared.render import measured, page, png, text
 
 NAMES = "repair_sweep filling_in interpolation comparison damage sampling "
-NAMES += "constrained_projection representation unpoolings kinect filters delays "
-NAMES += "confident_walk depth"
+NAMES += "constrained_projection representation kinect depth"
 
 
 @pytest.mark.parametrize("name", NAMES.split())
