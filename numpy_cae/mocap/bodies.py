@@ -159,9 +159,7 @@ def load_windows(
         takes.append(load_body(path)[0])
         seconds += len(takes[-1]) / RATE
     features, _ = features_on_mean_skeleton(takes, RATE)
-    cut = [cut_windows(take, length, overlap) for take in features]
-    return FileWindows(
-        np.concatenate([windows for windows, _ in cut]),
-        np.concatenate([real for _, real in cut]),
-        np.concatenate([np.full(len(real), take) for take, (_, real) in enumerate(cut)]),
-    )
+    cut = (cut_windows(take, length, overlap) for take in features)
+    windows, real = zip(*cut, strict=True)
+    of_takes = np.repeat(np.arange(len(real)), [len(each) for each in real])
+    return FileWindows(np.concatenate(windows), np.concatenate(real), of_takes)

@@ -152,14 +152,13 @@ class _Replacer:
         """The texts of a block of frames, in which the motion was `before`, with new numbers."""
         turned = np.any(before.rotations != after.rotations, axis=-1)
         steps = 100 * np.linalg.norm(before.translations - after.translations, axis=-1)
-        moved = ~(steps <= 0)  # a step from a NaN is one, too
-        changed = np.any(turned | moved, axis=1)
+        changed = np.any(turned | ~(steps <= 0), axis=1)  # a step from a NaN is one, too
         # Changed frames, their neighbours and the last frame are parsed.
         parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
         parsed[-1] = True
         values, places_in = self._parsed(texts, np.flatnonzero(parsed).tolist())
         old = values.copy()
-        self._put(values, as_in_file(after), turned, moved, steps)
+        self._put(values, as_in_file(after), turned, steps)
         self.last = values[-1]
         decimals = _decimals(texts, places_in)
         # What was a NaN is written, too.
@@ -196,17 +195,12 @@ class _Replacer:
         return values, places_in
 
     def _put(
-        self,
-        values: np.ndarray,
-        after: Motion,
-        turned: np.ndarray,
-        moved: np.ndarray,
-        steps: np.ndarray,
+        self, values: np.ndarray, after: Motion, turned: np.ndarray, steps: np.ndarray
     ) -> None:
         """Put the numbers of a motion into `values` where a joint turned, or moved by `steps` (cm),
         each (F, J)."""
         for joint, of_joint in enumerate(self.channels):
-            frames = np.flatnonzero(moved[:, joint]).tolist()
+            frames = np.flatnonzero(~(steps[:, joint] <= 0)).tolist()  # a step from a NaN is one
             place = np.ix_(frames, of_joint.columns("t"))
             values[place] = of_joint.position_values(after.translations[frames, joint])
             name = after.skeleton.names[joint]
