@@ -130,7 +130,7 @@ def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np
     corrections that would join its first and its last frame to the frames outside, and s runs from
     0 to 1 over the stretch:
 
-        R'_t = R_t · exp((1 - s) log D_first + s log D_last),   D = R⁻¹ · (R continued from outside)
+        R'_t = R_t · slerp(D_first, D_last; s),   D = R⁻¹ · (R continued from outside)
 
     This keeps the details in between, and it restores a joint that is frozen or off by a constant
     rotation.
@@ -152,11 +152,11 @@ def rejoined(rotations: np.ndarray, first: int, end: int) -> np.ndarray:
     # [1::-1]: the first two frames after the stretch, in reverse order.
     before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
     ends = ((inside[0], before), (inside[-1], after))
-    corrections = [to_vector(product(inverse(now), to)) for now, to in ends if to is not None]
+    corrections = [product(inverse(now), to) for now, to in ends if to is not None]
     if not corrections:
         return inside
-    share = np.linspace(0, 1, end - first)[:, None]
-    return product(inside, from_vector((1 - share) * corrections[0] + share * corrections[-1]))
+    share = np.linspace(0, 1, end - first)
+    return product(inside, slerp(corrections[0], corrections[-1], share))
 
 
 def _continued(last: np.ndarray) -> np.ndarray | None:
