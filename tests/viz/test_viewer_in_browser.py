@@ -161,12 +161,16 @@ def test_a_joint_is_named_under_the_pointer(page):
 
 @pytest.fixture
 def changed(browser, motions, tmp_path):
-    """A dark page of a walk and one whose wrists, left and right, are 7.07 cm away, the middle of the scale."""
+    """A dark page of a walk, one whose wrists are 7.07 cm away, the middle of the scale, and one
+    with its wrists a metre to the side."""
     first = motion_actor(motions[0], "before")
-    moved = first.positions.copy()
-    moved[:, [first.names.index(f"{side}wrist") for side in "lr"]] += [0.0, 0.0707, 0.0]
+    moved, wide = first.positions.copy(), first.positions.copy()
+    wrists = [first.names.index(f"{side}wrist") for side in "lr"]
+    moved[:, wrists] += [0.0, 0.0707, 0.0]
+    wide[:, wrists] += [1.0, 0.0, 0.0]
     path = tmp_path / "changed.html"
-    save_viewer([first, compared(replace(first, positions=moved), first)], path, 30.0)
+    near = compared(replace(first, positions=moved), first)
+    save_viewer([first, near, replace(first, positions=wide)], path, 30.0)
     opened = browser.new_page(viewport={"width": 1200, "height": 700}, color_scheme="dark")
     opened.goto(path.as_uri())
     opened.wait_for_function("window.motionViewers?.()[0]?.frame > 0", timeout=60_000)
@@ -197,7 +201,7 @@ def test_paper_is_light_and_has_the_picture(changed):
 
 
 def test_bodies_stay_in_the_picture_where_it_becomes_narrow(changed):
-    changed.set_viewport_size({"width": 420, "height": 900})
+    changed.set_viewport_size({"width": 420, "height": 2000})
     changed.wait_for_function("motionViewers()[0].stage.width < 500")
     across = viewer_of(changed).evaluate("""({ stage }) => stage.panes().flatMap((pane) =>
         pane.figures[0].points.map((_, joint) =>
