@@ -88,7 +88,8 @@ def _summary(summary: Sequence[str], measures: Sequence[tuple[str, float, float]
         for name, before, after in measures
     )
     head = "<tr><td></td><th scope=col>before</th><th scope=col>after</th></tr>"
-    return f'<div class="summary"><ul>{said}</ul><table>{head}{rows}</table></div>'
+    words = page_text("words.html")
+    return f'<div class="summary"><ul>{said}</ul><table>{head}{rows}</table>{words}</div>'
 
 
 def after_text(before: float, after: float) -> str:
