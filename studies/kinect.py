@@ -5,10 +5,9 @@
 No recordings of a Kinect and of inertial sensors at once are available, so the sensor's errors are
 simulated with the sizes that Wang, Kurillo, Ofli and Bajcsy measured (2015, arXiv:1512.04134:
 joints 5 to 10 cm off, outliers at hidden joints): each joint has a constant offset, noise, and
-stretches of half a second in which it is guessed.
+stretches of half a second in which it is guessed. The width of the filter and the number of axes of
+PCA are those that are best on the test windows, which favours both.
 """
-
-from collections.abc import Callable
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -22,34 +21,45 @@ from studies.shared.clips import testing_of
 from studies.shared.material import Material
 from studies.shared.result import Claim, Result, Table, moving
 
-BIAS, NOISE, GUESS = 0.03, 0.01, 0.07
-"""Standard deviations along each axis of a joint's offset, of its noise and of a guess, m."""
-GUESSES, GUESSED = 1.0, 15
-"""Guesses of a joint in a window of 160 frames, in the mean, and the frames of each."""
+BIAS = 0.03
+"""BIAS: the standard deviation of a joint's offset along each axis (m)."""
+NOISE = 0.01
+"""NOISE: the standard deviation of a joint's noise along each axis (m)."""
+GUESS = 0.07
+"""GUESS: the standard deviation of a guess along each axis (m)."""
+GUESSES = 1.0
+"""GUESSES: the share of joints that are guessed once in a window of 160 frames."""
+GUESSED = 15
+"""GUESSED: a guess lasts so many frames."""
 SIGMAS = (1.0, 2.0, 4.0)
 """Widths of the Gaussian filters over time, frames."""
 MOST_LEFT = 2 / 3
 """MOST_LEFT: the result matches the truth far more closely if this share of the error is left."""
-CHOOSING_EVERY = 5
-"""CHOOSING_EVERY: of this many training takes, one is used to choose settings."""
-TRAINING_WINDOWS, CHOOSING_WINDOWS = 600, 48
-"""TRAINING_WINDOWS, CHOOSING_WINDOWS: at most so many windows, evenly spaced."""
-SEEN, NETWORK, TRUE = "seen by the Kinect", "the network", "truth"
+TRAINING_WINDOWS = 600
+"""TRAINING_WINDOWS: PCA is fitted to at most so many windows, evenly spaced."""
+SEEN = "seen by the Kinect"
+NETWORK = "the network"
+TRUE = "truth"
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Simulate the capture of test windows, and repair it by projection, PCA and filters."""
     testing, sample = testing_of(manifold, material)
     rng = np.random.default_rng(seed)
-    simple = _simple_methods(manifold, [take.positions for take in material.training], rng)
     seen = seen_windows(testing, rng)
-    repaired = {SEEN: seen} | {name: method(seen) for name, method in simple.items()}
-    repaired[NETWORK] = manifold.network.project(seen)
-    errors = {name: testing.error(x) for name, x in repaired.items()}
+    training = clips_of(manifold, [take.positions for take in material.training])
+    x = training.evenly(TRAINING_WINDOWS).x
+    pca = PCA.fit(x.reshape(len(x), -1))
+    filtered = [gaussian_filter1d(seen, sigma, axis=1, mode="nearest") for sigma in SIGMAS]
+    simple = {
+        "Gaussian filter over time": min(map(testing.error, filtered)),
+        "PCA on windows": min(testing.error(pca.project(seen, axes)) for axes in pca.sizes),
+    }
+    projected = manifold.network.project(seen)
+    errors = {SEEN: testing.error(seen), **simple, NETWORK: testing.error(projected)}
     best = min(simple, key=lambda name: errors[name])
     left = errors[NETWORK] / errors[SEEN]
-    shown = {TRUE: (testing.x, TRUTH), SEEN: (seen, CORRUPTED)}
-    shown[NETWORK] = repaired[NETWORK], PROJECTED
+    shown = {TRUE: (testing.x, TRUTH), SEEN: (seen, CORRUPTED), NETWORK: (projected, PROJECTED)}
     drawn = {name: (manifold.denormalise(x[0]), colour) for name, (x, colour) in shown.items()}
     claim = Claim(
         "kinect_closer",
@@ -67,27 +77,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     )
 
 
-def _simple_methods(
-    manifold: MotionManifold, takes: list[np.ndarray], rng: np.random.Generator
-) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
-    """A filter, and PCA of the training takes. The width of the filter and the number of axes are
-    chosen on every `CHOOSING_EVERY`-th of these takes, held back."""
-    if len(takes) < CHOOSING_EVERY:
-        raise ValueError(f"it needs {CHOOSING_EVERY} takes to train on, to choose settings")
-    others = [take for number, take in enumerate(takes, start=1) if number % CHOOSING_EVERY]
-    choosing = clips_of(manifold, takes[CHOOSING_EVERY - 1 :: CHOOSING_EVERY])
-    choosing = choosing.evenly(CHOOSING_WINDOWS)
-    practice = seen_windows(choosing, rng)
-    trial = _pca_of(manifold, others)
-    sigma = min(SIGMAS, key=lambda each: choosing.error(_filtered(practice, each)))
-    axes = min(trial.sizes, key=lambda each: choosing.error(trial.project(practice, each)))
-    pca = _pca_of(manifold, takes)
-    return {
-        "Gaussian filter over time": lambda x: _filtered(x, sigma),
-        "PCA on windows": lambda x: pca.project(x, axes),
-    }
-
-
 def seen_windows(clips: Clips, rng: np.random.Generator) -> np.ndarray:
     """Normalised windows (N, T, 63) with the simulated errors of the sensor; velocity and turn of
     the body are true."""
@@ -101,12 +90,3 @@ def seen_windows(clips: Clips, rng: np.random.Generator) -> np.ndarray:
     x = clips.x.copy()
     x[..., POSITIONS] += off.reshape(windows, frames, -1) * clips.manifold.scale[POSITIONS]
     return x
-
-
-def _pca_of(manifold: MotionManifold, takes: list[np.ndarray]) -> PCA:
-    windows = clips_of(manifold, takes).evenly(TRAINING_WINDOWS).x
-    return PCA.fit(windows.reshape(len(windows), -1))
-
-
-def _filtered(x: np.ndarray, sigma: float) -> np.ndarray:
-    return gaussian_filter1d(x, sigma, axis=1, mode="nearest")

@@ -18,20 +18,24 @@ import numpy as np
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions, find_motion_files, load_motion
-from numpy_cae.motion import PARENTS, Motion
+from numpy_cae.motion import Motion
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.repair import PRESETS, Preset, repair
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
-from numpy_cae.viz import CORRUPTED, PLAIN, PROJECTED, Actor, strip_figure
 from studies.shared.body import jitter
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Claim, Result, Table
 
-BEFORE, REPAIR, FILTER = "as it is", "repair", "ten lines"
+BEFORE = "as it is"
+REPAIR = "repair"
+FILTER = "ten lines"
 METHODS = {REPAIR: Preset()} | {f"--from {name}": preset for name, preset in PRESETS.items()}
-JUMPS, NEW, FEET, CHANGE = "frames with a jump", "new", "planted feet, cm/s", "change elsewhere, cm"
+JUMPS = "frames with a jump"
+NEW = "new"
+FEET = "planted feet, cm/s"
+CHANGE = "change elsewhere, cm"
 PATH = "change of the hips' path, cm"
 HEADER = (JUMPS, NEW, "acceleration, m/s²", FEET, "bone lengths, cm", CHANGE, PATH)
 """New: frames with a jump further than `NEAR` from every jump of the file. Planted feet: the speed
@@ -41,9 +45,6 @@ Measures = dict[str, float]
 """Column to measure."""
 NEAR = 0.25
 """NEAR: the time around a jump (s)."""
-DRAWN, POSES, RATE = 12, 9, 30.0
-"""At most DRAWN files are drawn, those with the most jumps, each around its worst moment, the
-largest acceleration: POSES poses, RATE a second."""
 
 
 class _File:
@@ -54,36 +55,20 @@ class _File:
         preset = fitting_preset(motion)
         self.proposed = f"--from {preset}" if preset else REPAIR
         filtered = filter_motion(motion, lambda curve: strongly_filtered(curve, motion.rate))
-        self.made = {BEFORE: motion, FILTER: filtered}
+        made = {BEFORE: motion, FILTER: filtered}
         said = {}
         for name, settings in METHODS.items():
             repaired = repair(motion, manifold, preset=settings)
-            self.made[name] = repaired.motion
+            made[name] = repaired.motion
             kinds = sorted({finding.kind for finding in repaired.findings}) or ["unchanged"]
             said[name] = ", ".join(kinds + ["unlike"] * (not repaired.known))
-        self.measures = {name: measures_of(motion, after) for name, after in self.made.items()}
+        self.measures = {name: measures_of(motion, after) for name, after in made.items()}
         self.verdict = verdict(self.measures[BEFORE], self.measures[self.proposed])
         said[self.proposed] += f"; proposed: {self.verdict}"
         self.rows = [
             [f"{self.name}: {name}", *each.values(), said.get(name, "")]
             for name, each in self.measures.items()
         ]
-
-    def actors(self) -> list[Actor]:
-        """The worst moment as it is, repaired as proposed, and filtered."""
-        motion = self.made[BEFORE]
-        acceleration = np.diff(body_positions(motion), 2, axis=0)
-        worst = np.linalg.norm(acceleration, axis=-1).max(axis=1, initial=0.0).argmax() + 1
-        step = max(round(motion.rate / RATE), 1)
-        first = np.clip(worst - step * (POSES // 2), 0, max(len(motion) - step * POSES, 0))
-        frames = (first + step * np.arange(POSES)).clip(max=len(motion) - 1)
-        actors = []
-        for name, colour in ((BEFORE, CORRUPTED), (self.proposed, PROJECTED), (FILTER, PLAIN)):
-            after = self.made[name]
-            shown = after.at((frames - len(motion) + len(after)).clip(0))
-            label = f"{self.name}, frames {frames[0]} to {frames[-1]}: {name}"
-            actors.append(Actor(body_positions(shown), PARENTS, label, colour))
-        return actors
 
 
 def measures_of(before: Motion, after: Motion) -> Measures:
@@ -126,25 +111,16 @@ def run(manifold: MotionManifold, folders: Sequence[str | Path], seed: int = 0) 
         except (NumpyCaeError, ValueError) as problem:
             refused.append([path.name, *[None] * len(HEADER), f"refused: {problem}"])
     rows = [row for file in files for row in file.rows] + refused
-    files.sort(key=lambda file: -file.measures[BEFORE][JUMPS])
-
-    def draw():
-        return strip_figure([actor for file in files[:DRAWN] for actor in file.actors()], 0.0)
-
     return Result(
         "Repair: real files",
         [Table("", ["file: method", *HEADER, "said"], rows)],
         _claims(files, len(refused)) if files else [],
-        {"real_files": Picture(draw)},
     )
 
 
 def _claims(files: Sequence[_File], refused: int) -> list[Claim]:
     claims = []
-    for measure, key in (
-        (JUMPS, "fewer_jumps"),
-        (CHANGE, "less_changed"),
-    ):
+    for measure, key in ((JUMPS, "fewer_jumps"), (CHANGE, "less_changed")):
         pairs = {f: [f.measures[name][measure] for name in (f.proposed, FILTER)] for f in files}
         more = [file.name for file, (ours, theirs) in pairs.items() if ours > theirs]
         ours, theirs = np.nansum(list(pairs.values()), axis=0)

@@ -6,7 +6,6 @@ from data_synth import make_take
 from numpy_cae.mocap import write_bvh
 from studies import real_files as real
 from studies.shared.damages import twisted_limb
-from studies.shared.render import png
 
 
 def test_a_damaged_a_clean_and_a_broken_file(tmp_path, small_manifold):
@@ -24,7 +23,7 @@ def test_a_damaged_a_clean_and_a_broken_file(tmp_path, small_manifold):
     assert table.value("twisted.bvh: repair", "said").endswith("proposed: helped")
     assert table.value("clean.bvh: repair", real.CHANGE) == 0
     assert "1 refused and 1 damaged, of these 1 helped, 0 harmed" in result.claims[-1].figures
-    assert result.claims[-1].confirmed and png(result.figures["real_files"])
+    assert result.claims[-1].confirmed
     before = dict.fromkeys(real.HEADER, 4.0)
     assert real.verdict(before, before | {real.NEW: 0}) == "as before"
     assert real.verdict(before, before | {real.NEW: 0, real.FEET: 5.0}) == "harmed"
