@@ -16,10 +16,10 @@ from types import ModuleType
 
 from numpy_cae.cli.shared.output import note, visible_output, working, write_texts
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.viz import save_figure, save_viewer
+from numpy_cae.viz import save_viewer
 from studies.shared.options import Inputs, add_options
 from studies.shared.provenance import provenance
-from studies.shared.render import data, page, text
+from studies.shared.render import data, png, report, text
 from studies.shared.result import Result
 
 HERE = Path(__file__).parent
@@ -59,7 +59,7 @@ def _run(names: list[str], words: list[str]) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_options(parser, (module.run for module in modules.values()))
-    parser.add_argument("-o", "--output", type=Path, help="folder for a page, JSON and pictures")
+    parser.add_argument("-o", "--output", type=Path, help="folder for a report, JSON and pictures")
     args = parser.parse_args(words)
     inputs = Inputs(args)
     results = {}
@@ -92,20 +92,20 @@ def _measured(name: str, module: ModuleType, inputs: Inputs, alone: bool) -> Res
 
 
 def _write(results: dict[str, Result], folder: Path) -> None:
-    """Write the results as a page and as JSON, and each figure as a file of its own."""
+    """Write the results as Markdown and as JSON, and each figure as a file of its own."""
     folder.mkdir(parents=True, exist_ok=True)
     each = {name: data(result) for name, result in results.items()}
-    texts = {"report.html": page(results)}
+    texts = {"report.md": report(results)}
     texts["report.json"] = json.dumps(each, indent=1, default=lambda value: value.item())
     write_texts(folder, texts)
     for result in results.values():
         for name, picture in result.figures.items():
-            save_figure(picture.draw(), folder / f"{name}.png")
+            (folder / f"{name}.png").write_bytes(png(picture))
             if picture.actors:
                 save_viewer(picture.actors, folder / f"{name}.html", picture.rate)
     confirmed = sum(result.confirmed for result in results.values())
     claims = sum(len(result.claims) for result in results.values())
-    print(f"{folder / 'report.html'}: {confirmed} of {claims} claims confirmed")
+    print(f"{folder / 'report.md'}: {confirmed} of {claims} claims confirmed")
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ def run(
     paper: Path | None = None,
     best: Path | None = None,
     quick: bool = False,
-    progress: Callable[[str], Callable[[TrainingState], None]] | None = None,
+    progress: Callable[[TrainingState], None] | None = None,
 ) -> Result:
     """Judge all statements. A study that this source has no takes for is left out and noted."""
     with TemporaryDirectory() as folder:
@@ -109,9 +109,10 @@ def _holden2015(
 
 
 def _trained(material: Material, name: str, seed: int, progress: Callable | None) -> MotionManifold:
+    note(f"the network is trained: {name}")
     schedule = recipe("paper" if name == PAPER else "best")
     takes = [take.positions for take in material.training]
-    return learn_manifold(takes, schedule, seed, report=progress(name) if progress else None)
+    return learn_manifold(takes, schedule, seed, report=progress)
 
 
 def _claims(study: ModuleType, given: dict[str, Any]) -> Sequence[Claim]:

@@ -119,7 +119,6 @@ def retrieval(manifold: MotionManifold, used: Material, rows: dict[str, Rows], s
         caption,
         ["distance", *average],
         [[name, *by_distance[name]] for name in between],
-        best="high",
     )
     return Result("", [table], _claims(average))
 

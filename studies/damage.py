@@ -71,16 +71,16 @@ BY_ONSET = "error, cm, by the frames at 30 a second over which damage begins and
 FINDINGS = "what repair finds, mask unknown, % of joints and frames"
 HOLE_ERROR = "holes in takes without damage, cm"
 RATIO = "the same holes, error of repair by that of each curve, geometric mean over the holes"
-TABLES: dict[str, tuple[Sequence[str], str]] = {
-    ERROR: (KINDS, "low"),
-    ELSEWHERE: (KINDS, ""),
-    BY_ONSET: ([str(onset) for onset in ONSETS], ""),
-    FINDINGS: (KINDS, ""),
-    INTACT: (CLEAN, ""),
-    HOLE_ERROR: ((*CURVES, GIVEN), "low across"),
-    RATIO: ((*CURVES, BEST), ""),
+TABLES: dict[str, Sequence[str]] = {
+    ERROR: KINDS,
+    ELSEWHERE: KINDS,
+    BY_ONSET: [str(onset) for onset in ONSETS],
+    FINDINGS: KINDS,
+    INTACT: CLEAN,
+    HOLE_ERROR: (*CURVES, GIVEN),
+    RATIO: (*CURVES, BEST),
 }
-"""Caption to the columns and to what is marked as the best."""
+"""Caption to the columns."""
 Values = dict[str, dict[str, list[float]]]
 """Row to column to one number for each take; where a method does not apply there is no column."""
 Filling = Callable[[Motion, np.ndarray], Motion]
@@ -204,8 +204,8 @@ class _Trial:
     def tables(self, source: str) -> list[Table]:
         """All of them."""
         return [
-            Table(f"{source}: {caption}.", ["", *columns], self._rows(caption, columns), best=best)
-            for caption, (columns, best) in TABLES.items()
+            Table(f"{source}: {caption}.", ["", *columns], self._rows(caption, columns))
+            for caption, columns in TABLES.items()
         ]
 
     def _rows(self, caption: str, columns: Sequence[str]) -> list[list[object]]:

@@ -68,7 +68,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
                 "Error at the missing joint, cm (root mean square of a coordinate):",
                 ["missing joint", MEAN_POSE, NETWORK],
                 [[joint, *pair] for joint, pair in wrists.items()],
-                best="low across",
             ),
             Table(
                 f"Every {EVERY}th frame held, mean of {len(each)} takes:",

@@ -70,7 +70,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     rows = [[name, error, error / errors[SEEN]] for name, error in errors.items()]
     return Result(
         "A simulated Kinect",
-        [Table("", ["method", "error, cm", "share left"], rows, best="low")],
+        [Table("", ["method", "error, cm", "share left"], rows)],
         [claim],
         {"kinect": moving(drawn, manifold.rate)},
         sample,

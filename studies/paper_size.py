@@ -35,7 +35,7 @@ def run(
     windows: tuple[int, ...] = (466, 2000, 9673),
     seed: int = 0,
     models: Path | None = None,
-    progress: Callable[[str], Callable[[TrainingState], None]] | None = None,
+    progress: Callable[[TrainingState], None] | None = None,
 ) -> Result:
     """Train by the paper's schedule on so many windows, and repair the test takes.
 
@@ -93,12 +93,12 @@ def _trained(
     if path and path.exists():
         return load_manifold(path)
     seconds: dict[str, float] = {}
-    printed = progress(f"{count} windows") if progress else None
+    note(f"{count} windows")
 
     def report(state: TrainingState) -> None:
         seconds[state.name] = state.history.seconds[state.name]
-        if printed:
-            printed(state)
+        if progress:
+            progress(state)
 
     manifold = learn_manifold(takes, Schedule(), seed, report=report)
     manifold.settings["seconds"] = seconds

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation import reconstruction as evaluated
 from numpy_cae.evaluation.reconstruction import LINEAR, NETWORK, SQUARED
 from numpy_cae.evaluation.table import Table
@@ -36,21 +37,21 @@ def run(
     schedule: SequenceSchedule,
     network: dict[str, int],
     seed: int = 0,
-    progress: Callable[[str], Callable[[TrainingState], None]] | None = None,
+    progress: Callable[[TrainingState], None] | None = None,
     models: Path | None = None,
 ) -> Result:
     """Train on each action with each regulariser.
 
     The schedule's weight λ is that of the regulariser; `seed` and `network` are those of
-    `train_study`. `progress` returns the report of a training from its name. The manifolds trained
+    `train_study`. `progress` reports a training. The manifolds trained
     with the regulariser are saved in the folder `models`, if any.
     """
 
     def train(action: Action, weight: float, name: str) -> Study:
-        report = progress(f"{action.name}, {name}") if progress else None
+        note(f"{action.name}, {name}")
         weighted = replace(schedule, weight=weight)
         mmd = name == MMD
-        return training.train_study(action, weighted, seed, report, mmd, **network)
+        return training.train_study(action, weighted, seed, progress, mmd, **network)
 
     weights = {SLICED: schedule.weight, MMD: MMD_WEIGHT, NONE: 0.0}
     trained = {n: [train(action, weight, n) for action in actions] for n, weight in weights.items()}
@@ -102,5 +103,5 @@ def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
         claims.append(Claim("reconstructs", network < linear, figures, action.name))
     rows = [row for table in tables for row in table.rows]
     caption = "Reconstruction of held-out clips by the network and by simpler methods:"
-    table = Table(caption, tables[0].header, rows, tables[0].formats, tables[0].best)
+    table = Table(caption, tables[0].header, rows, tables[0].formats)
     return Result("Reconstruction", [table], claims)

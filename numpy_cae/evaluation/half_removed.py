@@ -66,7 +66,7 @@ def half_removed(
         error = test.error(repaired)
         rows.append([name, test.error(undamaged), error, error / before])
     title = f"{len(testing)} test takes, {len(test)} windows, errors in cm:"
-    return Table(title, HEADER, rows, best="low")
+    return Table(title, HEADER, rows)
 
 
 class Repairs:

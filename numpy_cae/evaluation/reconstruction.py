@@ -52,4 +52,4 @@ def reconstruction(
         squared = float(np.mean((x_hat.astype(np.float64) - x) ** 2))
         distance = angle_distance(manifold.denormalise(x_hat), truth)
         rows.append([f"{name}: {method}", squared, distance])
-    return Table("", [f"{latent} numbers a clip", SQUARED, "distance, rad"], rows, ".3f", "low")
+    return Table("", [f"{latent} numbers a clip", SQUARED, "distance, rad"], rows, ".3f")

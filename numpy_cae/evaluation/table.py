@@ -11,9 +11,7 @@ class Table:
     """Plain values with a heading for each column; the first value of a row is its name.
 
     A value that is None or nan is an empty cell; a str or an int is printed as it is. `formats`
-    are of the floats: one format for all columns, or one for each. `best` says which of the floats
-    a page marks: "low" or "high" the best of each column, "low across" the lowest of each row. Rows
-    of one column are compared if their names agree up to the last ": ".
+    are of the floats: one format for all columns, or one for each.
 
     Examples
     --------
@@ -30,7 +28,6 @@ class Table:
     header: Sequence[str]
     rows: Sequence[Sequence[object]]
     formats: str | Sequence[str] = ".2f"
-    best: str = ""
 
     def cells(self) -> list[list[str]]:
         """The rows as printed, without the header."""

@@ -179,5 +179,5 @@ class Inputs:
 
     @cached_property
     def progress(self) -> Callable | None:
-        """What reports the progress of a training, from the training's name."""
-        return None if self.args.quiet else ProgressPrinter
+        """What reports the progress of a training."""
+        return None if self.args.quiet else ProgressPrinter()

@@ -54,10 +54,10 @@ def test_it_writes_its_files_and_a_study_that_cannot_be_run_stops_no_other(
     captured = capsys.readouterr()
     assert "interpolation could not be run: the test takes have neither" in captured.err
     assert "claims confirmed\n" in captured.out
-    html, data = ((out / f"report.{suffix}").read_text() for suffix in ("html", "json"))
-    assert html.count('<section id="') == 2
-    assert "data:image/png;base64," in html
-    assert "the network" in html and "*_3.bvh" in html and f"NumPy {np.__version__}" in html
+    report, data = ((out / f"report.{suffix}").read_text() for suffix in ("md", "json"))
+    assert report.startswith("# ") and report.count("\n# ") == 1
+    assert "](filling_in.png)" in report and (out / "filling_in.png").is_file()
+    assert "the network" in report and "*_3.bvh" in report and f"NumPy {np.__version__}" in report
     results = json.loads(data)
     assert set(results) == {"interpolation", "filling_in"}
     made = results["filling_in"]["provenance"]
@@ -97,10 +97,10 @@ def test_the_study_of_sequences_has_claims_pictures_and_models(
     out = tmp_path / "out"
     words = ["--data", folder, "-o", out, "--models", out, *TINY]
     assert run("sequences", *words) == 0
-    printed, page = capsys.readouterr(), (out / "report.html").read_text(encoding="utf-8")
+    printed, report = capsys.readouterr(), (out / "report.md").read_text(encoding="utf-8")
     action = folder.name
-    assert f"{action}, none, λ = 0: sequences, epoch 1/1" in printed.err
+    assert f"{action}, none, λ = 0\n" in printed.err and "sequences, epoch 1/1" in printed.err
     assert len(re.findall("^(not )?confirmed: .* Measured: ", printed.out, re.MULTILINE)) > 3
-    assert page.count("confirmed</span>") > printed.out.count("confirmed:")  # and in the summary
+    assert report.count("confirmed:") == len(re.findall("confirmed: .* Meas", printed.out))
     drawn = {f"{action}_fitted.{ending}" for ending in ("png", "html")}
     assert {"figure_2.png", *drawn} <= {path.name for path in out.iterdir()}
