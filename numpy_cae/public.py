@@ -18,37 +18,11 @@ from numpy_cae.mocap.bodies import read_bodies
 from numpy_cae.mocap.rigs.recognise import joint_index, rig_of
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.repair import Finding, Repaired, fill_motion, project_motion
+from numpy_cae.repair import Finding, Repaired, fill_motion
+from numpy_cae.repair import project_motion as project
 from numpy_cae.viz.viewer import Player
 
 __all__ = ["fill", "learn", "load", "project", "save", "show"]
-
-
-def project(motion: Motion, manifold: MotionManifold) -> Motion:
-    """Project a whole motion onto the manifold, the repair of holden2015.
-
-    Parameters
-    ----------
-    motion : Motion
-        As `load` returns it.
-    manifold : MotionManifold
-        As `learn` returns it.
-
-    Returns
-    -------
-    Motion
-        Φ†(Φ(X)) in the rig of `motion`; `numpy_cae.repair` changes only what is damaged.
-
-    Examples
-    --------
-    >>> import numpy_cae
-    >>> from data_synth import make_take
-    >>> motion = make_take("walk", 0, seconds=1.0, rate=120.0).motion
-    >>> projected = numpy_cae.project(motion, numpy_cae.manifold.starter())
-    >>> len(projected), projected.rate
-    (120, 120.0)
-    """
-    return project_motion(motion, manifold)
 
 
 def fill(

@@ -10,12 +10,10 @@ standard error and exit status 2, without a traceback.
 import argparse
 import logging
 import os
-import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
@@ -43,17 +41,7 @@ SUBCOMMANDS = {name: _first_sentence(name) for names in GROUPS.values() for name
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, with a suggestion for a mistyped word."""
-
-    def parse_known_args(self, args=None, namespace=None):  # type: ignore[override]
-        parsed, unknown = super().parse_known_args(args, namespace)
-        if unknown:  # report it here: only this parser knows the options of the subcommand
-            self.refuse(unknown[0], re.findall(r"--[\w-]+", self.format_help()))
-        return parsed, unknown
-
-    def refuse(self, word: str, expected: Iterable[str]) -> None:
-        close = get_close_matches(word, expected, 1)
-        self.error(f"unexpected argument {word}" + (f", did you mean {close[0]}?" if close else ""))
+    """A parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
@@ -101,8 +89,6 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(
         prog="numpy-cae", dest="command", required=True, metavar="COMMAND", help=argparse.SUPPRESS
     )
-    if chosen and chosen not in SUBCOMMANDS:
-        parser.refuse(chosen, SUBCOMMANDS)
     for name in SUBCOMMANDS:
         if name == chosen:
             _add_subcommand(subparsers, name)

@@ -37,19 +37,12 @@ def test_help_lists_every_subcommand_and_imports_none():
     assert not set(printed.split()) & heavy
 
 
-@pytest.mark.parametrize(
-    ("words", "meant"),
-    [
-        ("repiar a.bvh", "repair"),
-        ("repair a.bvh --smoth", "--smooth"),
-        ("rig a.bvh --ubit 1", "--unit"),
-    ],
-)
-def test_a_mistyped_word_is_answered_in_one_line(words, meant, capsys):
+@pytest.mark.parametrize("words", ["repiar a.bvh", "repair a.bvh --smoth"])
+def test_a_mistyped_word_is_answered_in_one_line(words, capsys):
     with pytest.raises(SystemExit) as exit_:
         main(words.split())
     (line,) = capsys.readouterr().err.splitlines()
-    assert exit_.value.code == 2 and f"did you mean {meant}?" in line
+    assert exit_.value.code == 2 and line.endswith("see `numpy-cae --help`")
 
 
 def test_a_reader_that_ends_early_is_no_error(walks):
