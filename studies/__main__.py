@@ -14,7 +14,7 @@ from itertools import takewhile
 from pathlib import Path
 from types import ModuleType
 
-from numpy_cae.cli.shared.output import note, visible_output, working, write_texts
+from numpy_cae.cli.shared.output import note, visible_output, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.viz import save_viewer
 from studies.shared.options import Inputs, add_options
@@ -95,9 +95,9 @@ def _write(results: dict[str, Result], folder: Path) -> None:
     """Write the results as Markdown and as JSON, and each figure as a file of its own."""
     folder.mkdir(parents=True, exist_ok=True)
     each = {name: data(result) for name, result in results.items()}
-    texts = {"report.md": report(results)}
-    texts["report.json"] = json.dumps(each, indent=1, default=lambda value: value.item())
-    write_texts(folder, texts)
+    numbers = json.dumps(each, indent=1, default=lambda value: value.item())
+    (folder / "report.json").write_text(numbers, "utf-8")
+    (folder / "report.md").write_text(report(results), "utf-8", errors="backslashreplace")
     for result in results.values():
         for name, picture in result.figures.items():
             (folder / f"{name}.png").write_bytes(png(picture))

@@ -53,7 +53,8 @@ def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list
     below = named_files(args.motions)
     is_unique = len(set(below.values())) == len(below)
     name_of = {path: name.as_posix() if is_unique else str(path) for path, name in below.items()}
-    names, signatures = [], []
+    names = []
+    signatures = []
     for body in usable_bodies(list(name_of), *arguments.reading(args), strict=len(name_of) == 2):
         names.append(visible(name_of[body.path]))
         features = manifold.features(body.positions)[0]

@@ -97,9 +97,10 @@ def _train(folder: Path, seed: int, show_progress: bool) -> None:
     training: list[np.ndarray] = []
     testing: list[np.ndarray] = []
     for number in range(TAKES):
-        kind, takes_before = KINDS[number % len(KINDS)], number // len(KINDS)
+        kind = KINDS[number % len(KINDS)]
         take = make_take(kind, seed * TAKES + number, seconds=SECONDS, rate=RATE)
-        half = testing if takes_before % TEST_EVERY == TEST_EVERY - 1 else training
+        is_test = number // len(KINDS) % TEST_EVERY == TEST_EVERY - 1
+        half = testing if is_test else training
         half.append(body_of(take.motion))
     report = ProgressPrinter() if show_progress else None
     manifold = learn_manifold(training, SCHEDULE, seed, report=report)

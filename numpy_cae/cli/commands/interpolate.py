@@ -38,14 +38,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
     require_bvh(args.output)
-    manifold, reading = one_motion.load_model(args), arguments.reading(args)
+    manifold = one_motion.load_model(args)
+    reading = arguments.reading(args)
     motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
     first, second = (Body(motion, manifold.lengths) for motion in motions)
     sources = first.features, second.features
     between = with_path(interpolate(manifold, *sources, args.share), *sources, args.share)
-    made, frames = first.to_rig(between), len(between)
+    frames = len(between)
     note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")
-    one_motion.write(made, args.output)
+    one_motion.write(first.to_rig(between), args.output)
     if args.html:
         share = "transition" if args.share == TRANSITION else f"{args.share:.0%} of the second"
         shown = {

@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Load, repair and write each motion."""
-    manifold, preset = one_motion.load_model(args), _preset(args)
+    manifold = one_motion.load_model(args)
+    preset = _preset(args)
     if args.project and (damage_options.is_chosen(args) or preset != Preset()):
         what = "--joint, --mask, --from, --smooth, --feet and --sensitivity"
         raise ValueError(f"--project changes the whole motion: use it without {what}")
@@ -71,8 +72,8 @@ def _preset(args: argparse.Namespace) -> Preset:
     """That of --from, with the other options."""
     preset = PRESETS.get(args.source, Preset())
     sensitivity = preset.sensitivity if args.sensitivity is None else args.sensitivity
-    smooth, feet = preset.smooth or args.smooth, preset.feet or args.feet
-    return replace(preset, sensitivity=sensitivity, smooth=smooth, feet=feet)
+    smooth = preset.smooth or args.smooth
+    return replace(preset, sensitivity=sensitivity, smooth=smooth, feet=preset.feet or args.feet)
 
 
 def _only(numbers: list[int], repaired: Repaired) -> list[Finding]:

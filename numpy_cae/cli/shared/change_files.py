@@ -53,7 +53,8 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired])
     Returns the exit status: 0 if all files could be used, 1 if some, 2 if none; of one file in
     which nothing was changed `UNCHANGED` or `UNLIKE`.
     """
-    targets, single = targets_of(args), is_single(args)
+    targets = targets_of(args)
+    single = is_single(args)
     mapping, coordinates = arguments.reading(args)
     rows: list[pages.Row] = []
     unusable: list[str] = []
@@ -132,7 +133,8 @@ def _status(args: argparse.Namespace, motion: Motion, repaired: Repaired) -> int
 
 def _details(repaired: Repaired) -> list[str]:
     """The largest findings with their numbers, and what is not changed; without any, the joints."""
-    listed, findings = repaired.listed(), len(repaired.findings)
+    listed = repaired.listed()
+    findings = len(repaired.findings)
     if not listed:
         return repr(repaired).splitlines() if repaired.touched.any() else []
     numbered = [f"{number}. {each}" for number, each in enumerate(listed[:findings], start=1)]

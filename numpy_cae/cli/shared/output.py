@@ -1,4 +1,4 @@
-"""Output of the commands: messages on standard error, text files."""
+"""Output of the commands: messages on standard error, made visible and laid out."""
 
 import os
 import re
@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
 
-from numpy_cae.atomic_write import atomic_write
 from numpy_cae.visible import visible
 
 Item = TypeVar("Item")
@@ -95,7 +94,9 @@ def working(on: str) -> Iterator[Callable[[float], None]]:
     Yields a function that takes the share of the work that is done by now; from then on the
     remaining time is printed too, unless the work takes longer than that share lets expect.
     """
-    begun, ended, total = time.monotonic(), threading.Event(), 0.0
+    begun = time.monotonic()
+    ended = threading.Event()
+    total = 0.0
 
     def is_done(share: float) -> None:
         nonlocal total
@@ -116,13 +117,6 @@ def working(on: str) -> Iterator[Callable[[float], None]]:
     finally:
         ended.set()
         thread.join()
-
-
-def write_texts(folder: Path, texts: dict[str, str]) -> None:
-    """Write text files by name into a folder."""
-    for name, text in texts.items():
-        with atomic_write(folder / name) as temporary:
-            temporary.write_text(visible(text), encoding="utf-8")
 
 
 def require_place(path: Path) -> None:

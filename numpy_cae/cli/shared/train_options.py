@@ -73,7 +73,8 @@ def require_options_of_model(args: argparse.Namespace) -> None:
 
 def schedule_of(args: argparse.Namespace) -> Schedule:
     """The recipe with the options that are given."""
-    schedule, changed = RECIPES[args.recipe], given(args, *COMMON)
+    schedule = RECIPES[args.recipe]
+    changed = given(args, *COMMON)
     if schedule.layer.epochs:
         schedule = replace(schedule, layer=replace(schedule.layer, **changed))
         changed.pop("rate", None)
