@@ -30,7 +30,9 @@ class FileError(NumpyCaeError, ValueError):
     def __init__(self, path: str | Path, line: int | None, problem: str):
         if len(problem) > MAX_CHARACTERS:
             problem = f"{problem[: MAX_CHARACTERS // 2]} … {problem[-MAX_CHARACTERS // 2 :]}"
-        self.path, self.line, self.problem = Path(path), line, problem
+        self.path = Path(path)
+        self.line = line
+        self.problem = problem
         name = visible(str(path)).replace("\n", "\\n")
         where = f"{name}:{line}" if line is not None else name
         super().__init__(visible(f"{where}: {problem}"))

@@ -26,7 +26,8 @@ def repaired_html(repaired) -> str:
     from numpy_cae import viz
     from numpy_cae.mocap import rig_of
 
-    motion, before = repaired.motion, repaired.original or repaired.motion
+    motion = repaired.motion
+    before = repaired.original or motion
     actors = viz.before_and_after(before, motion, rig_of(before).joints)
     findings = [finding.to_json() for finding in repaired.listed()]
     player = viz.in_notebook(actors, motion.rate, 560, findings)

@@ -12,11 +12,11 @@ from numpy_cae.viz.actor import (
     motion_actor,
     side_by_side,
 )
-from numpy_cae.viz.curves import Curve, curves_figure, matrix_figure
+from numpy_cae.viz.curves import Curve, losses_figure, matrix_figure, save_figure
 from numpy_cae.viz.index_page import save_index
 from numpy_cae.viz.live_curve import LiveCurve
 from numpy_cae.viz.sliders import Chart, slider_figure
-from numpy_cae.viz.strip import save_figure, strip_figure, strip_svg
+from numpy_cae.viz.strip import strip_figure, strip_svg
 from numpy_cae.viz.viewer import in_notebook, save_viewer
 
 __all__ = [name for name in dir() if not name.startswith("_")]

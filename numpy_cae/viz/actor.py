@@ -83,7 +83,8 @@ def motion_actor(
     A root from which the body moves away (an origin on the floor) is left out.
     """
     resampled = motion.resampled(rate or motion.rate)
-    positions, parents = resampled.positions(), resampled.skeleton.parents
+    positions = resampled.positions()
+    parents = resampled.skeleton.parents
     first = 0
     while parents.count(first) == 1:
         bone = np.linalg.norm(positions[:, first] - positions[:, first + 1], axis=-1)

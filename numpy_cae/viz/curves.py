@@ -1,12 +1,15 @@
-"""Curves, and a matrix of distances."""
+"""Curves of losses, and a matrix of distances."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from numpy_cae.atomic_write import atomic_write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -14,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Curve:
-    """One line of a plot.
+    """One line of a `Chart`.
 
     Parameters
     ----------
@@ -33,27 +36,18 @@ class Curve:
     style: str = "-"
 
 
-def curves_figure(
-    curves: Sequence[Curve], across: str, up: str, size: tuple[float, float] = (8.0, 4.6)
-) -> Figure:
-    """Draw curves in one plot with a legend on the right.
-
-    Parameters
-    ----------
-    curves : sequence of Curve
-    across, up : str
-        Labels of the axes, with units.
-    size : (width, height) in inches
-    """
+def losses_figure(losses: Mapping[str, Sequence[float]]) -> Figure:
+    """Draw what a training measured after each epoch, by name: losses, and an error in cm."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=(8.0, 4.6), layout="constrained")
     axes = figure.add_subplot()
-    for curve in curves:
-        axes.plot(
-            curve.x, curve.y, curve.style, color=curve.colour, label=curve.label, markersize=4
-        )
-    _finish(axes, across, up)
+    for name, values in losses.items():
+        axes.plot(range(1, len(values) + 1), values, label=name, markersize=4)
+    axes.set(xlabel="epoch", ylabel="loss; error in cm", yscale="log")
+    axes.grid(color="#e4e4e4", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
     figure.legend(loc="outside right upper", frameon=False, fontsize=8)
     return figure
 
@@ -81,7 +75,8 @@ def matrix_figure(
 
     pairs = distances[np.triu_indices(len(names), 1)]
     order = leaves_list(linkage(pairs, "average", optimal_ordering=True))
-    distances, names = distances[np.ix_(order, order)], [names[int(at)] for at in order]
+    distances = distances[np.ix_(order, order)]
+    names = [names[int(at)] for at in order]
     side = float(np.clip(0.2 * len(names), 2.5, 9.0))
     figure = Figure(figsize=(side + 3.0, side), layout="constrained")
     axes = figure.add_subplot()
@@ -95,8 +90,7 @@ def matrix_figure(
     return figure
 
 
-def _finish(axes, across: str, up: str) -> None:
-    axes.set(xlabel=across, ylabel=up)
-    axes.grid(color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure as a PNG file, atomically."""
+    with atomic_write(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=110, facecolor="white")

@@ -18,7 +18,9 @@ class LiveCurve:
     """
 
     def __init__(self, title: str, block: int = 1, seconds: float = 1.0):
-        self.title, self.block, self.seconds = title, block, seconds
+        self.title = title
+        self.block = block
+        self.seconds = seconds
         self.values: list[float] = []
         self._display: Any = None
         self._drawn = -np.inf

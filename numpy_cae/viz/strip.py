@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from numpy_cae.atomic_write import atomic_write
 from numpy_cae.viz.actor import Actor
 from numpy_cae.viz.camera import bones, camera_view
 
@@ -97,9 +95,3 @@ def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
     points = actor.positions[frame]
     on_floor = np.median(points, axis=0) * [1.0, 0.0, 1.0]  # below the middle of the body
     return bones(camera_view(points - on_floor, azimuth), actor.parents)
-
-
-def save_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure as a PNG file, atomically."""
-    with atomic_write(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=110, facecolor="white")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.motion import JOINTS, PARENTS
-from numpy_cae.viz import Actor, Curve, curves_figure, matrix_figure, strip_figure
+from numpy_cae.viz import Actor, losses_figure, matrix_figure, strip_figure
 from numpy_cae.viz.camera import bones, camera_view
 
 
@@ -49,11 +49,10 @@ def test_a_strip_has_a_row_for_each_motion_and_cuts_nothing_off():
     assert low < points[:, 1].min() and points[:, 1].max() < high
 
 
-def test_curves_have_their_values():
-    curves = [Curve([0, 1], [2.0, 3.0], "a", "#112233", "--"), Curve([0, 1], [1, 1], "b")]
-    first, second = curves_figure(curves, "x", "y, cm").axes[0].lines
-    np.testing.assert_array_equal(first.get_ydata(), [2, 3])
-    assert (first.get_color(), first.get_linestyle(), second.get_label()) == ("#112233", "--", "b")
+def test_losses_are_drawn_by_epoch():
+    first, second = losses_figure({"a": [2.0, 3.0], "b": [1.0]}).axes[0].lines
+    np.testing.assert_array_equal(first.get_xydata(), [[1, 2], [2, 3]])
+    assert second.get_label() == "b"
 
 
 def test_a_matrix_names_its_rows():

@@ -71,20 +71,12 @@ def run(args: argparse.Namespace) -> int:
         manifold.save(args.output, **{"half": True} if args.recipe == "starter" else {})
         checkpoint.remove()
     picture = args.output.with_suffix(".png")
-    _draw_losses(manifold.settings["losses"], picture)
+    viz.save_figure(viz.losses_figure(manifold.settings["losses"]), picture)
     hint = "" if args.test else "; no error is measured without --test"
     print(f"{picture}: loss by epoch\n{args.output}: learned from {source}{hint}")
     if args.test:
         print(f"\n{measure()}")
     return 0
-
-
-def _draw_losses(losses: dict[str, list[float]], path: Path) -> None:
-    """Draw the loss of each stage, and the error on test takes."""
-    curves = [viz.Curve(range(1, len(values) + 1), values, name) for name, values in losses.items()]
-    figure = viz.curves_figure(curves, "epoch", "loss; error in cm")
-    figure.axes[0].set_yscale("log")
-    viz.save_figure(figure, path)
 
 
 Learned = tuple[Any, str, Callable[[], str]]
