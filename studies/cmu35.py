@@ -19,13 +19,28 @@ from pathlib import Path
 import numpy as np
 
 from studies.cmu_protocol import baselines
-from studies.cmu_protocol.networks import START, networks
-from studies.cmu_protocol.protocol import GROUPS, Fill, Method, Protocol, read_protocol
+from studies.cmu_protocol.networks import networks, start
+from studies.cmu_protocol.protocol import GROUPS, Protocol, read_protocol
 from studies.shared.result import Claim, Result, Table
 
 SEEDS = 5
-ROW, WINDOW, BEFORE = "the row", "7 rows around it", "; rows before"
+ROW = "the row"
+WINDOW = "7 rows around it"
+BEFORE = "; rows before"
 VISIBLE = "the take's visible columns" + BEFORE
+STANDARDISED = "nearest neighbour, standardised"
+RADIANS = "nearest neighbour, radians"
+GAUSSIAN = "Gaussian process"
+RESIDUAL = "Gaussian process, residual"
+NETWORK = "convolutional autoencoder"
+SEES = {
+    STANDARDISED: ROW,
+    RADIANS: ROW,
+    GAUSSIAN: WINDOW,
+    RESIDUAL: WINDOW + BEFORE,
+    NETWORK: VISIBLE,
+}
+"""Method to what it is given."""
 PUBLISHED = [
     ["VGPDS, Matérn 3/2", VISIBLE, 6.99, 2.88, 14.22, 2.23],
     ["VGPDS, RBF", VISIBLE, 8.19, 3.57, 10.73, 1.90],
@@ -33,8 +48,8 @@ PUBLISHED = [
     ["GP-LVM, q = 3", VISIBLE, 11.4, 3.40, 16.9, 2.49],
     ["GP-LVM, q = 4", VISIBLE, 9.7, 3.38, 20.7, 2.72],
     ["GP-LVM, q = 5", VISIBLE, 13.4, 4.25, 23.4, 2.78],
-    ["nearest neighbour, standardised", ROW, 13.5, 4.44, 20.8, 2.62],
-    ["nearest neighbour, radians", ROW, 14.0, 4.11, 30.9, 3.20],
+    [STANDARDISED, ROW, 13.5, 4.44, 20.8, 2.62],
+    [RADIANS, ROW, 14.0, 4.11, 30.9, 3.20],
     ["binary latent model, other columns", ROW + BEFORE, 11.7, None, 8.8, None],
 ]
 """SC and the error in degrees for leg and body. VGPDS is from Damianou, Titsias and Lawrence,
@@ -44,20 +59,8 @@ BEST = {"leg": (6.84, 2.88), "body": (8.8, 1.90)}
 """The smallest published SC and error in degrees for each group, of any method."""
 HEADER = ("method", "sees", "leg SC", "leg °", "body SC", "body °")
 FORMATS = ("", "", ".1f", ".2f", ".1f", ".2f")
-GAUSSIAN = "Gaussian process"
-NETWORK = "convolutional autoencoder"
-
-
-def simple_methods(group: str, deviation: np.ndarray) -> dict[tuple[str, str], Method]:
-    """Methods by their name and what they see, with the settings of the smallest error on training
-    takes left out."""
-    gaussian = baselines.gaussian_process(*START[group])
-    return {
-        ("nearest neighbour, standardised", ROW): baselines.nearest(np.ones(59)),
-        ("nearest neighbour, radians", ROW): baselines.nearest(deviation),
-        (GAUSSIAN, WINDOW): gaussian,
-        (GAUSSIAN + ", residual", WINDOW + BEFORE): baselines.corrected(gaussian),
-    }
+Errors = dict[str, np.ndarray]
+"""Method to SC and the error in degrees, a row for each seed."""
 
 
 def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
@@ -66,81 +69,62 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
     Raises ValueError where the folders lack takes.
     """
     protocol = read_protocol(folders)
-    groups = [_Group(protocol, name, seed) for name in GROUPS]
-    rows = [[name, sees, *_printed(groups, name)] for name, sees in groups[0].sees.items()]
+    errors = {group: _errors(protocol, group, seed) for group in GROUPS}
+    rows = []
+    for name, sees in SEES.items():
+        cells = [cell for group in GROUPS for cell in _printed(errors[group][name])]
+        rows.append([name, sees, *cells])
     tables = [
         Table("Published", HEADER, PUBLISHED, FORMATS),
         Table(f"Measured; the network from {SEEDS} seeds, mean ± deviation", HEADER, rows, FORMATS),
     ]
-    return Result(
-        "CMU subject 35: a published protocol for missing data",
-        tables,
-        _claims(groups),
-    )
+    title = "CMU subject 35: a published protocol for missing data"
+    return Result(title, tables, _claims(errors))
 
 
-class _Group:
-    """The errors and the values of all methods for one group of hidden columns."""
-
-    def __init__(self, protocol: Protocol, group: str, seed: int):
-        self.name = group
-        self.columns = GROUPS[group]
-        methods = simple_methods(group, protocol.deviation)
-        self.sees = dict(methods.keys())
-        self.simple = list(self.sees)
-        takes = protocol.standardised
-        self.test: dict[str, np.ndarray] = {}
-        for (name, _), method in methods.items():
-            self._add(protocol, name, [method(takes, self.columns)])
-        self._add(protocol, NETWORK, networks(takes, self.columns, range(seed, seed + SEEDS)))
-
-    def _add(self, protocol: Protocol, name: str, fills: Sequence[Fill]) -> None:
-        values = [protocol.test_values(fill, self.columns) for fill in fills]
-        self.sees.setdefault(name, VISIBLE)
-        self.test[name] = np.array([protocol.errors([each], self.columns) for each in values])
+def _errors(protocol: Protocol, group: str, seed: int) -> Errors:
+    """SC and degrees of every method for a group of hidden columns, from each seed."""
+    columns = GROUPS[group]
+    takes = protocol.standardised
+    gaussian = start(takes, columns)
+    fills = {
+        STANDARDISED: [baselines.nearest(takes, columns, np.ones(59))],
+        RADIANS: [baselines.nearest(takes, columns, protocol.deviation)],
+        GAUSSIAN: [gaussian],
+        RESIDUAL: [baselines.add_residual(gaussian, columns)],
+        NETWORK: networks(takes, columns, range(seed, seed + SEEDS)),
+    }
+    return {
+        name: np.array([protocol.errors(fill, columns) for fill in each])
+        for name, each in fills.items()
+    }
 
 
-def _printed(groups: Sequence[_Group], name: str) -> list[object]:
-    """SC and degrees of each group; mean and deviation where there are several seeds."""
-    cells: list[object] = []
-    for group in groups:
-        errors = group.test[name]
-        if len(errors) == 1:
-            cells += list(errors[0])
-            continue
-        sc, degrees = errors.mean(axis=0)
-        sc_spread, spread = errors.std(axis=0, ddof=1)
-        cells += [f"{sc:.1f} ± {sc_spread:.1f}", f"{degrees:.2f} ± {spread:.2f}"]
-    return cells
+def _printed(errors: np.ndarray) -> list[object]:
+    """SC and degrees; mean and deviation where there are several seeds."""
+    if len(errors) == 1:
+        return list(errors[0])
+    sc, degrees = errors.mean(axis=0)
+    sc_spread, spread = errors.std(axis=0, ddof=1)
+    return [f"{sc:.1f} ± {sc_spread:.1f}", f"{degrees:.2f} ± {spread:.2f}"]
 
 
-def _claims(groups: Sequence[_Group]) -> list[Claim]:
-    names = [row[0] for row in PUBLISHED if str(row[0]).startswith("nearest")]
-    published = np.array([row[2:] for row in PUBLISHED if row[0] in names], dtype=float)
-    read = np.array([np.concatenate([g.test[name][0] for g in groups]) for name in names])
-    off = np.abs(read - published).max(axis=0)
+def _claims(of_groups: dict[str, Errors]) -> list[Claim]:
+    published = np.array([row[2:] for row in PUBLISHED if row[0] in (STANDARDISED, RADIANS)])
+    read = [[of_groups[group][name][0] for group in GROUPS] for name in (STANDARDISED, RADIANS)]
+    off = np.abs(np.reshape(read, (2, 4)) - published.astype(float)).max(axis=0)
     same = bool((off < [0.1, 0.01, 0.1, 0.01]).all())
-    claims = [
-        Claim(
-            "same_protocol", same, f"at most {off[::2].max():.2f} and {off[1::2].max():.3f}° off."
-        )
-    ]
-    for group in groups:
-        errors = {name: each.mean(axis=0) for name, each in group.test.items()}
-        simple = min(group.simple, key=lambda name: errors[name][0])
-        ours = errors[NETWORK]
-        other = errors[simple]
-        best = BEST[group.name]
+    figures = f"at most {off[::2].max():.2f} and {off[1::2].max():.3f}° off."
+    claims = [Claim("same_protocol", same, figures)]
+    for group, errors in of_groups.items():
+        mean = {name: each.mean(axis=0) for name, each in errors.items()}
+        ours = mean.pop(NETWORK)
+        simple = min(mean, key=lambda name: mean[name][0])
+        best = BEST[group]
         figures = f"{NETWORK} {ours[0]:.1f} and {ours[1]:.2f}°"
-        of = f"{group.name} hidden"
-        also = f"; {simple} {other[0]:.1f} and {other[1]:.2f}°."
-        claims += [
-            Claim(
-                "below_published",
-                bool((ours < np.array(best)).all()),
-                f"{figures}; published {best[0]} and {best[1]}°.",
-                of,
-            ),
-            Claim("below_simple", bool((ours < other).all()), figures + also, of),
-        ]
+        below = f"{figures}; published {best[0]} and {best[1]}°."
+        also = f"{figures}; {simple} {mean[simple][0]:.1f} and {mean[simple][1]:.2f}°."
+        of = f"{group} hidden"
+        claims.append(Claim("below_published", bool((ours < np.array(best)).all()), below, of))
+        claims.append(Claim("below_simple", bool((ours < mean[simple]).all()), also, of))
     return claims

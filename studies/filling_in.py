@@ -18,7 +18,6 @@ from numpy_cae.evaluation import position_error
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.fill import keyframe_mask
-from numpy_cae.manifold.shifted_projection import project_shifted
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import Motion, features_to_positions, joint_slice
@@ -35,8 +34,11 @@ EVERY = 15
 CURVE = " of the rotations, keys given"
 DELAY = (EVERY - 1) // 2
 """Mean number of frames that a held key lags behind."""
-MEAN_POSE, HELD, TRUE = "the mean pose", "held", "truth"
-NETWORK, REPEATED = "the network", "the network, ends repeated"
+MEAN_POSE = "the mean pose"
+HELD = "held"
+TRUE = "truth"
+NETWORK = "the network"
+REPEATED = "the network, ends repeated"
 WRISTS = ("left_wrist", "right_wrist")
 TARGET = 0.85
 """The wrist's error is to be below this share of the mean pose's."""
@@ -85,14 +87,8 @@ def _without(manifold: MotionManifold, testing: Clips, joint: str) -> list[float
     """The error of a joint, cm, where it is in the mean pose, and after projection."""
     lost = testing.x.copy()
     lost[..., joint_slice(joint)] = 0
-    return [testing.error(x, joint) for x in (lost, project_repeated(manifold, lost))]
-
-
-def project_repeated(manifold: MotionManifold, x: np.ndarray) -> np.ndarray:
-    """Φ†(Φ(X)) of windows padded with their first and last frames, as `MotionManifold.project` pads
-    a clip."""
-    projected = project_shifted(manifold.network, manifold.padded(x))
-    return manifold.unpadded(projected, x.shape[1])
+    projected = [manifold.project(window) for window in manifold.denormalise(lost)]
+    return [testing.error(x, joint) for x in (lost, manifold.normalise(np.stack(projected)))]
 
 
 def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:

@@ -1,19 +1,15 @@
-"""Simple methods of filling in hidden columns; each is a `Method` or returns one."""
+"""Simple methods of filling in hidden columns: what they learn from standardised takes."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from studies.cmu_protocol.protocol import Fill, Method
+from studies.cmu_protocol.protocol import Fill
 
-OFFSET, MEMORY = 0.5, 10
-"""OFFSET: the variance of a take's constant error, relative to that of its varying error. MEMORY:
-the number of rows in which the correlation of the varying error falls by e."""
-
-
-def corrected(method: Method) -> Method:
-    """The method followed by `add_residual`."""
-    return lambda takes, columns: add_residual(method(takes, columns), columns)
+OFFSET = 0.5
+"""OFFSET: the variance of a take's constant error, relative to that of its varying error."""
+MEMORY = 10
+"""MEMORY: the number of rows in which the correlation of the varying error falls by e."""
 
 
 def add_residual(fill: Fill, columns: list[int]) -> Fill:
@@ -34,41 +30,35 @@ def add_residual(fill: Fill, columns: list[int]) -> Fill:
     return filled
 
 
-def nearest(spread: np.ndarray) -> Method:
+def nearest(takes: Sequence[np.ndarray], columns: list[int], spread: np.ndarray) -> Fill:
     """Copy the training row with the nearest visible columns, each multiplied by its `spread`."""
+    rows = np.concatenate(takes)
+    visible = others(columns)
+    weighted = rows[:, visible] * spread[visible]
 
-    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        rows = np.concatenate(takes)
-        visible = others(columns)
-        weighted = rows[:, visible] * spread[visible]
+    def fill(take: np.ndarray, first: int) -> np.ndarray:
+        queries = take[:, visible] * spread[visible]
+        chosen = [np.square(weighted - query).sum(axis=1).argmin() for query in queries]
+        return rows[chosen][:, columns]
 
-        def fill(take: np.ndarray, first: int) -> np.ndarray:
-            queries = take[:, visible] * spread[visible]
-            chosen = [np.square(weighted - query).sum(axis=1).argmin() for query in queries]
-            return rows[chosen][:, columns]
-
-        return fill
-
-    return learn
+    return fill
 
 
-def gaussian_process(taps: int, penalty: float, width: float) -> Method:
+def gaussian_process(
+    takes: Sequence[np.ndarray], columns: list[int], taps: int, penalty: float, width: float
+) -> Fill:
     """The mean of a Gaussian process, with the kernel exp(-d² / (width · number of values)) of the
     distance d of the visible columns of `taps` rows, and `penalty` on its diagonal."""
+    seen = np.concatenate([around(take[:, others(columns)], taps) for take in takes])
+    hidden = np.concatenate([take[:, columns] for take in takes])
+    mean = hidden.mean(axis=0)
 
-    def learn(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
-        seen = np.concatenate([around(take[:, others(columns)], taps) for take in takes])
-        hidden = np.concatenate([take[:, columns] for take in takes])
-        mean = hidden.mean(axis=0)
+    def kernel(rows: np.ndarray) -> np.ndarray:
+        lengths = np.square(rows).sum(axis=1)[:, None] + np.square(seen).sum(axis=1)
+        return np.exp(-(lengths - 2 * rows @ seen.T) / (width * seen.shape[1]))
 
-        def kernel(rows: np.ndarray) -> np.ndarray:
-            lengths = np.square(rows).sum(axis=1)[:, None] + np.square(seen).sum(axis=1)
-            return np.exp(-(lengths - 2 * rows @ seen.T) / (width * seen.shape[1]))
-
-        weights = np.linalg.solve(kernel(seen) + penalty * np.eye(len(seen)), hidden - mean)
-        return lambda take, first: kernel(around(take[:, others(columns)], taps)) @ weights + mean
-
-    return learn
+    weights = np.linalg.solve(kernel(seen) + penalty * np.eye(len(seen)), hidden - mean)
+    return lambda take, first: kernel(around(take[:, others(columns)], taps)) @ weights + mean
 
 
 def around(take: np.ndarray, taps: int) -> np.ndarray:

@@ -18,17 +18,22 @@ from numpy_cae.training.adam import Adam
 from numpy_cae.training.schedule import rate_at
 from numpy_cae.training.step import denoising_step
 from studies.cmu_protocol.baselines import add_residual, gaussian_process
-from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, Method
+from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
 """Settings of `gaussian_process`. They and all constants below were chosen on training takes that
 were left out."""
-VISIBLE, HIDDEN = 0.05, 0.4
-"""Factors of the standardised columns, so that the loss is mostly that of the hidden ones."""
+VISIBLE = 0.05
+HIDDEN = 0.4
+"""VISIBLE, HIDDEN: factors of the standardised columns, so that the loss is mostly that of the
+hidden ones."""
 NOISE = 0.3
 """Standard deviation of the noise that is added to the standardised input."""
 BATCH = 16
-FILTERS, TAPS, WINDOW, STEPS = (128,), 15, 32, 500
+FILTERS = (128,)
+TAPS = 15
+WINDOW = 32
+STEPS = 500
 STAGE = Stage(
     epochs=1, rate=2e-3, alpha=0.0, norm=0.05, optimiser="adam", rate_schedule="one-cycle"
 )
@@ -49,7 +54,7 @@ def networks(takes: Sequence[np.ndarray], columns: list[int], seeds: Sequence[in
     factors[columns] = HIDDEN
     padded = [_padded(take * factors, WINDOW // 4) for take in takes]
     started = [_padded(take * factors, WINDOW // 4) for take in _started(takes, columns)]
-    fill_start = start(columns)(takes, columns)
+    fill_start = start(takes, columns)
 
     def draw(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         x, corrupted = _windows(padded, started, rng)
@@ -67,10 +72,10 @@ def networks(takes: Sequence[np.ndarray], columns: list[int], seeds: Sequence[in
     return [fill_with(trained(draw, seed)) for seed in seeds]
 
 
-def start(columns: list[int]) -> Method:
-    """The method that predicts these columns before the network corrects the prediction."""
+def start(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
+    """The Gaussian process, whose prediction of these columns the network corrects."""
     group = next(name for name, hidden in GROUPS.items() if hidden == columns)
-    return gaussian_process(*START[group])
+    return gaussian_process(takes, columns, *START[group])
 
 
 def trained(draw: Draw, seed: int) -> Project:
@@ -96,7 +101,7 @@ def _started(takes: Sequence[np.ndarray], columns: list[int]) -> list[np.ndarray
     started = [take.copy() for take in takes]
     for fold in range(FOLDS):
         others = [take for n, take in enumerate(takes) if n % FOLDS != fold]
-        fill = start(columns)(others, columns)
+        fill = start(others, columns)
         for take in started[fold::FOLDS]:
             take[:, columns] = fill(take, 0)
     return started

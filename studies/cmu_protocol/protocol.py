@@ -32,9 +32,6 @@ ANGLES = np.r_[6:38, 40:47, 48:50, 52:59, 60:62]
 Fill = Callable[[np.ndarray, int], np.ndarray]
 """A take (F, 59), standardised, with NaN where it is hidden, and the first hidden row to the values
 (F, H) of the hidden columns."""
-Method = Callable[[Sequence[np.ndarray], list[int]], Fill]
-"""Standardised takes (F, 59) to learn from, and the columns to hide, to the function that fills in
-these columns."""
 
 
 @dataclass(frozen=True)
@@ -60,31 +57,18 @@ class Protocol:
         """The training takes, standardised."""
         return [(take - self.mean) / self.deviation for take in self.takes]
 
-    def errors(
-        self, parts: Sequence[tuple[np.ndarray, np.ndarray]], columns: list[int]
-    ) -> np.ndarray:
-        """SC and the root mean square error in degrees of hidden values, (F, H), standardised.
+    def errors(self, fill: Fill, columns: list[int]) -> np.ndarray:
+        """SC and the root mean square error in degrees of the test take's hidden values.
 
-        SC = Σ (degrees · scale of the column)² / H is a sum over rows. It is scaled to the 62 rows
-        of the test take, so that errors of other takes can be compared.
+        SC = Σ (degrees · scale of the column)² / H is a sum over rows and H columns.
         """
-        gap = np.concatenate([filled - truth for filled, truth in parts])
+        take = (self.test - self.mean) / self.deviation
+        damaged = take.copy()
+        damaged[FIRST_HIDDEN:, columns] = np.nan
+        gap = (fill(damaged, FIRST_HIDDEN) - take[:, columns])[FIRST_HIDDEN:]
         degrees = np.rad2deg(gap * self.deviation[columns])
         weighted = np.square(degrees * self.scale[columns])
-        rows = len(self.test) - FIRST_HIDDEN
-        return np.array([rows * weighted.mean(), np.sqrt(np.square(degrees).mean())])
-
-    def test_values(self, fill: Fill, columns: list[int]) -> tuple[np.ndarray, np.ndarray]:
-        """The hidden values of the test take as filled in and in truth, (62, H), standardised."""
-        return _filled(fill, (self.test - self.mean) / self.deviation, columns, FIRST_HIDDEN)
-
-
-def _filled(
-    fill: Fill, take: np.ndarray, columns: list[int], first: int
-) -> tuple[np.ndarray, np.ndarray]:
-    damaged = take.copy()
-    damaged[first:, columns] = np.nan
-    return fill(damaged, first)[first:], take[first:, columns]
+        return np.array([len(gap) * weighted.mean(), np.sqrt(np.square(degrees).mean())])
 
 
 def rows_of(frames: np.ndarray) -> np.ndarray:

@@ -1,6 +1,5 @@
 """The actions of jang2018: motions of one kind, split by take, read or synthesised."""
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,8 +15,6 @@ from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
 ACTIONS = ("walking", "waiting", "walking_dog")
 PERIODIC = ("walking", "walking_extra")
 """Actions of which jang2018 says that all samples look alike."""
-INTERVAL_SECONDS = 5.0
-"""INTERVAL_SECONDS: a line counts the takes that are made so often (s)."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +44,12 @@ def synthetic_action(kind: str, minutes: float, seed: int = 0, quiet: bool = Tru
     """
     plans = [plan_takes(minutes, number, [kind]) for number in (2 * seed + 1, 2 * seed + 2)]
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
-    due = 0.0
-    for made, plan in enumerate([*plans[0], *plans[1]]):
-        if not quiet and time.monotonic() > due:
-            note(f"{kind}: {made} of {len(plans[0]) + len(plans[1])} takes made")
-            due = time.monotonic() + INTERVAL_SECONDS
-        take = replace(plan, person=plan.number).make(ANGLE_RATE)
-        halves[made >= len(plans[0])].append(angles_of(take.motion))
+    if not quiet:
+        note(f"{kind}: {len(plans[0]) + len(plans[1])} takes are made")
+    for half, planned in zip(halves, plans, strict=True):
+        for plan in planned:
+            take = replace(plan, person=plan.number).make(ANGLE_RATE)
+            half.append(angles_of(take.motion))
     return Action(kind, *halves, kind in PERIODIC, "synthetic clips (data_synth)")
 
 

@@ -9,39 +9,28 @@ import scipy
 import numpy_cae
 from studies.shared.options import OPTIONS, Inputs, parameters
 
+LISTED = 5
+"""LISTED: at most so many patterns of test takes are written."""
+
 
 def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:
     """Data, test takes, model, the options of the study's own, seed, versions."""
     made = vars(inputs)
-    args = inputs.args
-    given: dict[str, object] = {}
-    if getattr(args, "data", None):
-        given["data"] = ", ".join(folder.name for folder in args.data)
+    args = vars(inputs.args)
+    given = {"data": ", ".join(folder.name for folder in args.get("data", []))}
     if made.get("material"):
-        given["data"] = f"{given['data']}: {inputs.material.counted()}"
-        more = len(inputs.patterns) - 5
-        listed = " ".join(inputs.patterns[:5]) + (f" and {more} more" if more > 0 else "")
+        given["data"] += f": {inputs.material.counted()}"
+        listed = " ".join(inputs.patterns[:LISTED]) + " …" * (len(inputs.patterns) > LISTED)
         given["test takes"] = f"{listed}, never trained on or fitted to"
-    for name in parameters(run):
-        if name == "manifold":
-            given |= _of_model(inputs.manifold.settings, args.model.name if args.model else "")
-        elif name not in OPTIONS:
-            given[name] = made.get(name, getattr(args, name, None))
-    if "seed" in parameters(run):
-        given["seed"] = args.seed
+    if "manifold" in made:
+        settings = inputs.manifold.settings
+        given["model"] = args["model"].name if args["model"] else "starter model"
+        given["training"] = f"{settings.get('takes')} takes, {settings.get('windows')} windows, "
+        given["training"] += f"seed {settings.get('seed')}, {settings.get('schedule')}"
+    own = [name for name in parameters(run) if name == "seed" or name not in OPTIONS]
+    given |= {name: str(args[name]) for name in own if args.get(name) is not None}
     given["versions"] = (
         f"numpy_cae {numpy_cae.__version__}, NumPy {np.__version__}, SciPy {scipy.__version__}, "
         f"Python {platform.python_version()}"
     )
-    return {name: str(value) for name, value in given.items() if value not in ("", None)}
-
-
-def _of_model(settings: dict, name: str) -> dict[str, str]:
-    """What a model records of its training."""
-    takes, windows, length, seed = map(settings.get, ("takes", "windows", "window", "seed"))
-    learned = f"learned from {takes} takes, {windows} windows of {length} frames, seed {seed}"
-    return {
-        "model": f"{name or 'starter model'}, {learned}",
-        "learned from": ", ".join(folder["name"] for folder in settings.get("folders") or ()),
-        "training": str(settings.get("schedule", "")),
-    }
+    return {name: value for name, value in given.items() if value}

@@ -1,7 +1,7 @@
 """The table of statements, and the studies whose right answer is known."""
 
 from numpy_cae.training import Schedule, Stage
-from studies import claims, comparison, paper_size, representation
+from studies import claims, comparison, representation
 from studies.comparison import EQUATION_4, RAW_EXTREMES
 from studies.shared.result import STATEMENTS, Result
 
@@ -30,14 +30,3 @@ def test_what_a_delay_and_what_unpooling_must_do(result_of):
     _, table, _ = result_of("representation").tables
     assert table.value("truth", "error, cm") == 0
     assert table.value("random unpooling", "of the truth's") > 1.5
-
-
-def test_the_plans_of_a_size_make_so_many_windows(tmp_path, monkeypatch):
-    plans = paper_size.plan_cmu_scale(0)
-    assert len(paper_size._first(plans, 9673)) == len(plans) == 2605
-    monkeypatch.setattr(paper_size, "TEST_MINUTES", 0.1)
-    quick = Schedule(*2 * [Stage(epochs=1, rate=0.01)])
-    monkeypatch.setattr(paper_size, "Schedule", lambda: quick)
-    errors, times = paper_size.run((2, 4), models=tmp_path).tables
-    again, _ = paper_size.run((2, 4), models=tmp_path).tables
-    assert errors.rows == again.rows and [row[0] for row in times.rows][-1] == "fine tuning"
