@@ -10,8 +10,14 @@ from acclaim_files import FILES
 from data_synth import make_take
 from numpy_cae.mocap import load_motion, retarget, write_bvh
 from numpy_cae.mocap.retarget.body import body_positions
-from numpy_cae.mocap.rigs.completed import completed
-from numpy_cae.mocap.rigs.recognise import doubt, find_joints, joint_index, recognised, rig_of
+from numpy_cae.mocap.rigs.recognise import (
+    doubt,
+    find_joints,
+    joint_index,
+    recognised,
+    rig_of,
+    with_added_joints,
+)
 from numpy_cae.mocap.rigs.rigs import RIGS, UnknownRigError, read_mapping, rig_by_names, with_rig
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton
 from numpy_cae.motion.features import bone_lengths
@@ -146,7 +152,7 @@ def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_pa
     file.skeleton.offsets[own.index("left_shoulder"), 1] += 0.1  # the chest's bones differ
     for side in ("left", "right"):
         file.skeleton.end_sites[own.index(f"{side}_ankle")] = np.array([0, -0.05, 0.12])
-    found = completed(with_rig(file, rig_by_names(file.skeleton)))
+    found = with_added_joints(with_rig(file, rig_by_names(file.skeleton)))
     assert set(found.skeleton.names[len(own) :]) == {f"{joint} (added)" for joint in lacking}
     at = dict(zip(JOINTS, body_positions(found)[0], strict=True))
     np.testing.assert_allclose(at["left_toe"] - at["left_ankle"], [0, -0.05, 0.12], atol=1e-12)

@@ -88,7 +88,7 @@ class Rig:
     given : dict of str to str
         The names that the user, or else the hierarchy, gave some of the twenty joints.
     added : tuple of int
-        Indices of joints, the last ones of the skeleton, that the file lacks (`completed`).
+        Indices of joints, the last ones of the skeleton, that the file lacks (`with_added_joints`).
     """
 
     found: dict[str, int]
