@@ -149,6 +149,48 @@ def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:
     return u * u * (3 - 2 * u)
 
 
+UNKNOWN_METRES = 0.12
+"""UNKNOWN_METRES: a motion is unlike what the manifold knows if its residual exceeds this (m),
+which is more than that of any take of a source left out of training
+(docs/lab_book/detection.md)."""
+LONG_SECONDS = 0.1
+"""LONG_SECONDS: the manifold corrects what was interpolated over at least this time (s)."""
+FILLED_KINDS = ("repeated", "frozen", "displaced", "not finite")
+"""FILLED_KINDS: the manifold fills in findings of these kinds where they are long, and what is
+marked."""
+
+
+def complete_holes(
+    motion: Motion, manifold: MotionManifold, found: list[Finding]
+) -> tuple[Motion, float]:
+    """The motion with the holes of findings filled in by the manifold, and the typical distance (m)
+    of the motion from the manifold.
+
+    A motion that is unlike what the manifold knows gets only what the user marked.
+    """
+    manifold = manifold.remembering()
+    body = Body(motion, manifold.lengths)
+    filled = [finding for finding in found if _is_filled(finding, motion.rate)]
+    residual = holes_of(body, filled).typical_residual(manifold)
+    if residual > UNKNOWN_METRES:
+        filled = [finding for finding in filled if finding.kind == "marked"]
+    return filled_by(manifold, body, filled), residual
+
+
+def filled_by(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
+    """The motion of a body with the holes of findings filled in by the manifold."""
+    curve_at, strength = curves_and_strengths(manifold, body, missing_joints(body.motion, findings))
+    holes = holes_of(body, findings, curve_at)
+    return holes.filled(corrected(manifold, holes.features, holes.mask, strength))
+
+
+def _is_filled(finding: Finding, rate: float) -> bool:
+    """Whether the manifold fills in a finding."""
+    is_long = finding.frames[1] - finding.frames[0] >= LONG_SECONDS * rate
+    long_kind = finding.kind in FILLED_KINDS and is_long
+    return finding.status == "repaired" and (finding.kind == "marked" or long_kind)
+
+
 STRENGTHS = np.linspace(0.0, 1.0, 5)
 """STRENGTHS: these values of s of the module's equation are tried."""
 POWERS = {"curves": 8.0, "strengths": 16.0}

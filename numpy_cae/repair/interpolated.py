@@ -29,9 +29,6 @@ ROTATION_KINDS = ("spike", "displaced", "frozen")
 """ROTATION_KINDS: findings of these kinds say that the joint's rotation is damaged."""
 TRANSLATION_KINDS = ("length", "root elsewhere")
 """TRANSLATION_KINDS: findings of these kinds say that the joint's translation is damaged."""
-POSITION_KINDS = ("marked",)
-"""POSITION_KINDS: findings of these kinds say that one of the twenty joints is at a wrong
-position."""
 
 
 def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.ndarray, np.ndarray]:
@@ -43,7 +40,7 @@ def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.nd
         frames = finding.stretch
         if finding.joint == BODY:
             missing[frames] = True
-        elif finding.kind in POSITION_KINDS and finding.joint in JOINTS:
+        elif finding.kind == "marked" and finding.joint in JOINTS:
             missing |= joint_mask(len(motion), [finding.joint], frames)
         else:
             joint = names.index(finding.joint)
@@ -59,7 +56,7 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
     """Which of the twenty joints are displaced by the damaged channels of findings, (frames, 20).
 
     A rotation displaces the joints below its joint, a translation also the joint itself. Of the
-    kinds `POSITION_KINDS` only the joints named count.
+    kind "marked" only the joints named count.
     """
     missing = np.zeros((len(motion), len(JOINTS)), bool)
     names = joint_names(motion)
@@ -68,8 +65,8 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
         frames = finding.stretch
         for column, joint in enumerate(rig):
             path = [names[above] for above in motion.skeleton.path(joint)]
-            itself = finding.kind in (*POSITION_KINDS, *TRANSLATION_KINDS) or finding.joint == BODY
-            above = path[0:1] if finding.kind in POSITION_KINDS else path[not itself :]
+            itself = finding.kind in ("marked", *TRANSLATION_KINDS) or finding.joint == BODY
+            above = path[0:1] if finding.kind == "marked" else path[not itself :]
             if finding.joint in (BODY, *above):
                 missing[frames, column] = True
     return missing

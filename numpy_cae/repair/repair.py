@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.manifold.fill import checked_mask, corrected
+from numpy_cae.manifold.fill import checked_mask
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion.contacts import foot_speeds, lower_foot
@@ -30,28 +30,14 @@ from numpy_cae.repair.curves import usual_body
 from numpy_cae.repair.displaced import find_displaced, find_spikes, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import Finding, marked, shifted, usable
-from numpy_cae.repair.holes import curves_and_strengths, holes_of
-from numpy_cae.repair.interpolated import (
-    POSITION_KINDS,
-    interpolate_channels,
-    missing_joints,
-    with_finite_values,
-)
+from numpy_cae.repair.holes import UNKNOWN_METRES, complete_holes, filled_by
+from numpy_cae.repair.interpolated import interpolate_channels, with_finite_values
 from numpy_cae.repair.jumps import find_jitter, find_jumps, jumping_steps, mend_jumps, smooth_motion
 from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
 from numpy_cae.repair.still import find_still, find_t_pose
 
-UNKNOWN_METRES = 0.12
-"""UNKNOWN_METRES: a motion is unlike what the manifold knows if its residual exceeds this (m),
-which is more than that of any take of a source left out of training
-(docs/lab_book/detection.md)."""
-LONG_SECONDS = 0.1
-"""LONG_SECONDS: the manifold corrects what was interpolated over at least this time (s)."""
-FILLED_KINDS = ("repeated", "frozen", "displaced", "not finite")
-"""FILLED_KINDS: the manifold fills in findings of these kinds where they are long, and those of
-`POSITION_KINDS`."""
 NEAR_SECONDS = 0.25
 """NEAR_SECONDS: jumps and sliding feet are looked at within this time of the damage (s)."""
 SLIDING_SHARE = 0.1
@@ -212,7 +198,7 @@ def mend(
         else:
             continue
         found += damage
-    others = [finding for finding in given or [] if finding.kind in POSITION_KINDS]
+    others = [finding for finding in given or [] if finding.kind == "marked"]
     return motion, found + others
 
 
@@ -320,34 +306,3 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     missing = checked_mask(missing, len(motion))
     filled = filled_by(manifold, Body(motion, manifold.lengths), marked(missing))
     return Repaired(filled, missing, distances(motion, filled), original=motion)
-
-
-def complete_holes(
-    motion: Motion, manifold: MotionManifold, found: list[Finding]
-) -> tuple[Motion, float]:
-    """The motion with the holes of findings filled in by the manifold, and the typical distance (m)
-    of the motion from the manifold.
-
-    A motion that is unlike what the manifold knows gets only what the user marked.
-    """
-    manifold = manifold.remembering()
-    body = Body(motion, manifold.lengths)
-    filled = [finding for finding in found if _is_filled(finding, motion.rate)]
-    residual = holes_of(body, filled).typical_residual(manifold)
-    if residual > UNKNOWN_METRES:
-        filled = [finding for finding in filled if finding.kind in POSITION_KINDS]
-    return filled_by(manifold, body, filled), residual
-
-
-def filled_by(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
-    """The motion of a body with the holes of findings filled in by the manifold."""
-    curve_at, strength = curves_and_strengths(manifold, body, missing_joints(body.motion, findings))
-    holes = holes_of(body, findings, curve_at)
-    return holes.filled(corrected(manifold, holes.features, holes.mask, strength))
-
-
-def _is_filled(finding: Finding, rate: float) -> bool:
-    """Whether the manifold fills in a finding."""
-    is_long = finding.frames[1] - finding.frames[0] >= LONG_SECONDS * rate
-    long_kind = finding.kind in FILLED_KINDS and is_long
-    return finding.status == "repaired" and (finding.kind in POSITION_KINDS or long_kind)
