@@ -18,11 +18,11 @@ from numpy_cae.motion.features import features_on_mean_skeleton
 from numpy_cae.motion.motion import RATE, Note
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
-WORTHWHILE = 20e6
-"""WORTHWHILE: files of fewer bytes in all are read faster by one process than by several."""
-MAX_STEP = 30.0
-"""MAX_STEP: a take in which the hips move further (m) in a 30th of a second, or a joint is further
-from the hips, is refused."""
+WORTHWHILE_BYTES = 20e6
+"""WORTHWHILE_BYTES: files of fewer bytes in all are read faster by one process than by several."""
+MAX_STEP_METRES = 30.0
+"""MAX_STEP_METRES: a take in which the hips move further (m) in a 30th of a second, or a joint is
+further from the hips, is refused."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,12 @@ def read_bodies(
     """Each file as twenty joints at 30 frames a second, in the order of `paths`.
 
     Frames that are not needed for that rate are not parsed. `processes` are by default one, or the
-    number of processors for `WORTHWHILE` bytes or more; the rest is as in `load_body`.
+    number of processors for `WORTHWHILE_BYTES` bytes or more; the rest is as in `load_body`.
     """
     read = partial(_read, mapping=mapping, coordinates=coordinates)
     if processes is None:
         total = sum(path.stat().st_size for path in paths if path.exists())
-        processes = (os.cpu_count() or 1) if total >= WORTHWHILE else 1
+        processes = (os.cpu_count() or 1) if total >= WORTHWHILE_BYTES else 1
     if processes == 1:
         yield from map(read, paths)
         return
@@ -91,9 +91,9 @@ def _require_steady(path: Path, positions: np.ndarray) -> None:
     steps = np.linalg.norm(np.diff(hips, axis=0), axis=-1)
     apart = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
     for far, what in ((steps, "its hips move"), (apart, "a joint is away from the hips by")):
-        if far.size and not far.max() <= MAX_STEP:
+        if far.size and not far.max() <= MAX_STEP_METRES:
             problem = f"{what} {far.max():.3g} m in frame {far.argmax()} (at 30 a second)"
-            raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP:g} m")
+            raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP_METRES:g} m")
 
 
 @dataclass(frozen=True)

@@ -45,13 +45,13 @@ UNITS = {
 }
 """The candidates of a guess, in metres. Feet are not among them: no file uses them."""
 
-TYPICAL = 1.55
-"""TYPICAL: the stature (m) to which a guess comes closest, the geometric mean of 1.1 m (a child of
-five) and 2.2 m (nobody is taller)."""
-TIP_TO_TIP = 1.3
-"""TIP_TO_TIP: the way from a toe to the finger tips along the bones, in statures."""
-PLAUSIBLE = (0.9, 2.4)
-"""PLAUSIBLE: a guess that gives a stature (m) outside this range is not reliable."""
+TYPICAL_METRES = 1.55
+"""TYPICAL_METRES: the stature (m) to which a guess comes closest, the geometric mean of 1.1 m (a
+child of five) and 2.2 m (nobody is taller)."""
+TIP_TO_TIP_STATURES = 1.3
+"""TIP_TO_TIP_STATURES: the way from a toe to the finger tips along the bones, in statures."""
+PLAUSIBLE_METRES = (0.9, 2.4)
+"""PLAUSIBLE_METRES: a guess that gives a stature (m) outside this range is not reliable."""
 
 
 def require_unit(unit: float) -> float:
@@ -89,24 +89,25 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float
         if skeleton.parents[joint] >= 0:
             length = float(bone_lengths[joint] + (down[0] if down else 0.0))
             paths[skeleton.parents[joint]].append(length)
-    return longest / TIP_TO_TIP
+    return longest / TIP_TO_TIP_STATURES
 
 
 def stated_unit(unit: float, source: str, height: float) -> Note:
     """A note on a unit and its source, from the height of the person (m, 0 if unknown). The unit is
     in doubt if nobody is as tall."""
-    in_doubt = height > 0 and not PLAUSIBLE[0] <= height <= PLAUSIBLE[1]
+    in_doubt = height > 0 and not PLAUSIBLE_METRES[0] <= height <= PLAUSIBLE_METRES[1]
     advice = ", which no adult is: give the right unit" if in_doubt else ""
     text = f"{unit_name(unit)} ({source}: the skeleton is about {height:.1f} m tall{advice})"
     return Note("unit", text, in_doubt)
 
 
 def guess_unit(height: float) -> tuple[float, Note]:
-    """The unit in metres in which a person of this height is closest to `TYPICAL`, and a note."""
+    """The unit in metres in which a person of this height is closest to `TYPICAL_METRES`, and a
+    note."""
     if not height > 0:
         text = "metres (assumed: the skeleton has no two limbs to measure)"
         return 1.0, Note("unit", text)
-    unit = min(UNITS.values(), key=lambda unit: abs(np.log(height * unit / TYPICAL)))
+    unit = min(UNITS.values(), key=lambda unit: abs(np.log(height * unit / TYPICAL_METRES)))
     return unit, stated_unit(unit, "guessed", height * unit)
 
 
@@ -122,28 +123,31 @@ TO_Y_UP = {
 AnyMotion = TypeVar("AnyMotion", bound=Motion)
 _ENDS = ("knee", "ankle", "elbow", "wrist")
 _LIMBS = [f"{side}_{end}" for side in ("left", "right") for end in _ENDS]
-LIMBS = 0.77
-"""LIMBS: a leg from hip to ankle and an arm from shoulder to wrist are together this part of a
-person's stature."""
-UPRIGHT = 0.8
-"""UPRIGHT: an axis is up if the direction from the ankles to the head, a unit vector, has at least
-this component along it in most frames."""
-TOE = 0.04
-"""TOE: height in metres of the lowest of the twenty joints, a toe, of a person who stands."""
-FLOOR = 0.15
-"""FLOOR: a floor nearer to 0 than this (m) is not moved, because it cannot be distinguished from
-shoes, a rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12
+LIMBS_SHARE = 0.77
+"""LIMBS_SHARE: a leg from hip to ankle and an arm from shoulder to wrist are together this part of
+a person's stature."""
+UPRIGHT_COSINE = 0.8
+"""UPRIGHT_COSINE: an axis is up if the direction from the ankles to the head, a unit vector, has at
+least this component along it in most frames."""
+TOE_METRES = 0.04
+"""TOE_METRES: height in metres of the lowest of the twenty joints, a toe, of a person who
+stands."""
+FLOOR_METRES = 0.15
+"""FLOOR_METRES: a floor nearer to 0 than this (m) is not moved, because it cannot be distinguished
+from shoes, a rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12
 to 0.12 (docs/lab_book/axes_and_floor.md)."""
-STEADY = 0.03
-"""STEADY: a body rests on a floor if the quartiles of its lowest joint's height are closer together
-than this (m)."""
-NEAR = 0.10
-"""NEAR: the body stands or lies on a floor if its lowest joint is nearer to it than this (m)."""
-AT_ZERO = 0.25
-"""AT_ZERO: a body that is near 0 for this part of the time has its floor there, whatever is below
-(stairs, a ladder)."""
-AT_LEVEL = 0.1
-"""AT_LEVEL: else the floor is the lowest level at which the body is for this part of the time."""
+STEADY_METRES = 0.03
+"""STEADY_METRES: a body rests on a floor if the quartiles of its lowest joint's height are closer
+together than this (m)."""
+NEAR_METRES = 0.10
+"""NEAR_METRES: the body stands or lies on a floor if its lowest joint is nearer to it than this
+(m)."""
+AT_ZERO_SHARE = 0.25
+"""AT_ZERO_SHARE: a body that is near 0 for this part of the time has its floor there, whatever is
+below (stairs, a ladder)."""
+AT_LEVEL_SHARE = 0.1
+"""AT_LEVEL_SHARE: else the floor is the lowest level at which the body is for this part of the
+time."""
 _POSES = 500
 """_POSES: the up axis and the floor are detected in about this many poses of a motion."""
 _POSES_OF_BONES = 100
@@ -201,7 +205,7 @@ def with_unit_of_limbs(motion: RiggedMotion) -> RiggedMotion:
         path = motion.skeleton.path(found[end])
         if found[above] in path:
             total += lengths[path[: path.index(found[above])]].sum()
-    unit, note = guess_unit(total / 2 / LIMBS / motion.unit)
+    unit, note = guess_unit(total / 2 / LIMBS_SHARE / motion.unit)
     scale = unit / motion.unit
     motion = replace(motion, unit=unit, notes=(note, *motion.notes[1:]))
     if scale == 1:
@@ -217,7 +221,7 @@ def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
     `rest` (20, 3) are their positions in the rest pose.
     """
     component, up = _upright(body)
-    if abs(component) < UPRIGHT:
+    if abs(component) < UPRIGHT_COSINE:
         return "y"
     if _rests_at_zero(body, "y") and (
         not _rests_at_zero(body, up) or _upright(rest[None])[1] == "y"
@@ -240,16 +244,16 @@ def _rests_at_zero(body: np.ndarray, up: str) -> bool:
     """Whether the lowest joint is nearly always at 0, if this axis is up."""
     low = (body @ np.transpose(TO_Y_UP[up]))[..., 1].min(axis=1)
     level, first, third = np.percentile(low, [5, 25, 75])
-    return bool(abs(level) < FLOOR and third - first < STEADY)
+    return bool(abs(level) < FLOOR_METRES and third - first < STEADY_METRES)
 
 
 def detect_floor(body: np.ndarray) -> float:
     """The height of the floor below positions (F, 20, 3), Y up; 0 unless it is clearly another."""
-    low = body[..., 1].min(axis=1) - TOE
+    low = body[..., 1].min(axis=1) - TOE_METRES
     level = float(np.percentile(low, 5))
-    at_zero = np.mean(np.abs(low) < NEAR) >= AT_ZERO
-    is_elsewhere = abs(level) > FLOOR and not at_zero and np.mean(low < level + NEAR) >= AT_LEVEL
-    return level if is_elsewhere else 0.0
+    at_zero = np.mean(np.abs(low) < NEAR_METRES) >= AT_ZERO_SHARE
+    stays = np.mean(low < level + NEAR_METRES) >= AT_LEVEL_SHARE
+    return level if abs(level) > FLOOR_METRES and stays and not at_zero else 0.0
 
 
 def in_y_up(motion: AnyMotion, coordinates: Coordinates) -> AnyMotion:

@@ -37,7 +37,7 @@ class TPose:
     step : float
         The mean step of all joints after it, in metres.
     score : float
-        The step divided by the threshold: a T-pose is certain enough above 1.
+        The step divided by the threshold, above 1.
     """
 
     frames: int
@@ -45,15 +45,13 @@ class TPose:
     score: float
 
 
-def leading_t_pose(motion: Motion, least_score: float = 1.0) -> TPose | None:
+def leading_t_pose(motion: Motion) -> TPose | None:
     """The T-pose with which a motion begins; None if there is none.
 
     Parameters
     ----------
     motion : Motion
         At the rate of its file: resampling would blend the T-pose with the next frames.
-    least_score : float
-        The score that the T-pose exceeds.
 
     Raises
     ------
@@ -79,7 +77,7 @@ def leading_t_pose(motion: Motion, least_score: float = 1.0) -> TPose | None:
     for end in range(jump + 1, min(jump + 2 + round(BLEND_SECONDS * motion.rate), len(steps))):
         after = float(steps[end : end + 10].max())
         score = float(steps[jump] / max(JUMP_RATIO * max(after, before), UNCHANGED))
-        if score > least_score and _is_t_pose(start.at(slice(jump, jump + 1))):
+        if score > 1 and _is_t_pose(start.at(slice(jump, jump + 1))):
             return TPose(end, float(steps[jump]), score)
     return None
 

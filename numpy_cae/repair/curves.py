@@ -40,14 +40,14 @@ the upper one at low rates."""
 JUMP_ACCELERATION = 72.0
 """JUMP_ACCELERATION: in between, a jump is longer than this acceleration (m/s²) moves a joint in
 the time of a frame."""
-JUMP_TO_NEIGHBOURS = 3.0
-"""JUMP_TO_NEIGHBOURS: a step is a jump only if it is longer than this times the steps before and
-after it."""
-JUMP_TO_USUAL = 8.0
-"""JUMP_TO_USUAL: a step is a jump only if it is longer than this times the median, over a second,
-of the change from step to step."""
-FASTEST_TURN = 1500.0
-"""FASTEST_TURN: the whole body does not turn faster than this (° a second)."""
+JUMP_TO_NEIGHBOURS_RATIO = 3.0
+"""JUMP_TO_NEIGHBOURS_RATIO: a step is a jump only if it is longer than this times the steps before
+and after it."""
+JUMP_TO_USUAL_RATIO = 8.0
+"""JUMP_TO_USUAL_RATIO: a step is a jump only if it is longer than this times the median, over a
+second, of the change from step to step."""
+FASTEST_DEGREES_A_SECOND = 1500.0
+"""FASTEST_DEGREES_A_SECOND: the whole body does not turn faster than this (° a second)."""
 
 
 @dataclass(frozen=True)
@@ -230,10 +230,10 @@ def jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:
     padded = np.pad(steps, 1)
     neighbours = np.maximum(padded[large], padded[large + 2])
     usual = local_median(np.abs(np.diff(steps, append=steps[-1:])), curve.rate)[large]
-    least = np.maximum(JUMP_TO_NEIGHBOURS * neighbours, JUMP_TO_USUAL * usual)
+    least = np.maximum(JUMP_TO_NEIGHBOURS_RATIO * neighbours, JUMP_TO_USUAL_RATIO * usual)
     score = steps[large] / np.maximum(shortest, least)
     if curve.is_root and curve.is_rotation:
-        fastest = np.radians(FASTEST_TURN) * curve.lever
+        fastest = np.radians(FASTEST_DEGREES_A_SECOND) * curve.lever
         score = np.maximum(score, steps[large] * curve.rate / fastest)
     likely = score > 1 / (2 * sensitivity)
     return list(zip((large[likely] + 1).tolist(), score[likely].tolist(), strict=True))

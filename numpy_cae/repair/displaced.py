@@ -34,7 +34,7 @@ from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate
 from numpy_cae.repair.curves import (
-    FASTEST_TURN,
+    FASTEST_DEGREES_A_SECOND,
     Curve,
     Segment,
     body_size,
@@ -164,7 +164,7 @@ def _kinds(curve: Curve, segment: Segment, jumps: list[int]) -> Iterator[str]:
     the end", or values of another motion to be "interpolated"."""
     if segment.end == len(curve.values):
         # A hand or a thumb may be turned by half a turn: a rig's limits are those of its limbs.
-        degrees = max(HALF_TURN_DEGREES, FASTEST_TURN / curve.rate)
+        degrees = max(HALF_TURN_DEGREES, FASTEST_DEGREES_A_SECOND / curve.rate)
         large = _size(curve, segment.first) > _least(curve, degrees)
         if large and curve.name in JOINTS:
             yield "to the end"

@@ -32,13 +32,18 @@ from numpy_cae.repair.curves import body_size, sliding, usual_body
 from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
 from numpy_cae.repair.jumps import jumping_steps
 
-LEFT_LEG = [JOINTS.index(f"left_{joint}") for joint in ("hip", "knee", "ankle")]
+TOES = [JOINTS[foot] for foot in FEET]
+LEGS = [
+    [JOINTS.index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle", "toe")]
+    for side in ("left", "right")
+]
 HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]
 CALM_SECONDS = 0.1
 """CALM_SECONDS: steps and speeds are taken over so long before and after a frame (s)."""
 PATH_HERTZ = 2.5
-"""PATH_HERTZ: the root's path is filtered with this cut-off (Hz). It and `SLOW_ON_PATH` were
-chosen on takes of CMU and synthetic ones whose root was held still (docs/lab_book/evidence.md)."""
+"""PATH_HERTZ: the root's path is filtered with this cut-off (Hz). It and
+`SLOW_ON_PATH_METRES_A_SECOND` were chosen on takes of CMU and synthetic ones whose root was held
+still (docs/lab_book/evidence.md)."""
 FOLLOWING_SHARE = 0.4
 """FOLLOWING_SHARE: a root follows the feet if its steps are at least this share of the steps with
 which the feet would stand. In 119 takes without damage the share is at least 0.82; in seven files
@@ -62,7 +67,7 @@ def path_of_root(motion: Motion) -> np.ndarray:
     toes = body[:, FEET]
     hips = body[:, 0]
     lower_height = toes[..., 1].min(axis=1)
-    leg = np.linalg.norm(np.diff(body[0, LEFT_LEG], axis=0), axis=-1).sum()
+    leg = np.linalg.norm(np.diff(body[0, LEGS[0][:3]], axis=0), axis=-1).sum()
     none = np.zeros((len(motion), 3))
     if len(motion) < 3 or np.median(hips[:, 1] - lower_height) < UPRIGHT_LEGS * leg:
         return none
@@ -106,15 +111,11 @@ def _makes_steps(toes: np.ndarray) -> bool:
     return bool(np.hypot(apart[0], apart[2]) > STEPS_METRES)
 
 
-TOES = [JOINTS[foot] for foot in FEET]
-LEGS = [
-    [JOINTS.index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle", "toe")]
-    for side in ("left", "right")
-]
-SLOW = 0.5
-"""SLOW: a toe stands only if it is slower than this (m/s)."""
-SLOW_ON_PATH = 0.7
-"""SLOW_ON_PATH: on a path from the feet, a toe stands only if it is slower than this (m/s)."""
+SLOW_METRES_A_SECOND = 0.5
+"""SLOW_METRES_A_SECOND: a toe stands only if it is slower than this (m/s)."""
+SLOW_ON_PATH_METRES_A_SECOND = 0.7
+"""SLOW_ON_PATH_METRES_A_SECOND: on a path from the feet, a toe stands only if it is slower than
+this (m/s)."""
 LOW_METRES = 0.05
 """LOW_METRES: a toe stands only if it is at most this high (m) above the height at which toes
 stand, the median height of the lower toe where it is slow."""
@@ -199,7 +200,8 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
         if new.any():
             near = with_margin(new[:, None], round(EASE_SECONDS * motion.rate) + 1)[:, 0]
             better = _standing(motion, [x for x in stances if not near[x.first : x.end].any()])
-        slides_after, jumps_after = sliding(better), _jumps(better)
+        slides_after = sliding(better)
+        jumps_after = _jumps(better)
         if slides_after >= slides or jumps_after.sum() > jumps.sum():
             break
         motion = better
@@ -221,9 +223,10 @@ def _stances(toes: np.ndarray, level: float, rate: float, travels: bool) -> list
         return []
     frame = np.arange(len(toes))
     around = max(round(CALM_SECONDS * rate), 1)
-    before, after = (frame - around).clip(0), (frame + around).clip(max=len(toes) - 1)
+    before = (frame - around).clip(0)
+    after = (frame + around).clip(max=len(toes) - 1)
     speed = np.linalg.norm(toes[after] - toes[before], axis=-1) * rate / (after - before)[:, None]
-    slow = speed < (SLOW_ON_PATH if travels else SLOW)
+    slow = speed < (SLOW_ON_PATH_METRES_A_SECOND if travels else SLOW_METRES_A_SECOND)
     stands = slow & (toes[..., 1] < level + LOW_METRES)
     stances = [Stance(foot, *run) for foot in (0, 1) for run in runs(stands[:, foot]).tolist()]
     return [stance for stance in stances if stance.end - stance.first >= LEAST_SECONDS * rate]
@@ -268,7 +271,7 @@ def _toes(motion: Motion) -> tuple[np.ndarray, float]:
     toes = usual_body(motion)[:, FEET]
     lower = toes[..., 1].min(axis=1)
     step = np.linalg.norm(np.diff(toes, axis=0, append=toes[-1:]), axis=-1).min(axis=1)
-    slow = step * motion.rate < SLOW
+    slow = step * motion.rate < SLOW_METRES_A_SECOND
     return toes, float(np.median(lower[slow] if slow.any() else lower))
 
 

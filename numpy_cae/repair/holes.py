@@ -7,12 +7,12 @@ the mean error of candidate k in trial i of I, for the joints of one kind (`fill
 and r_k the mean of log e_k in holes of that kind and length of other sources
 (`fill_strengths.json`, which `python -m tools.fill_strengths` makes), the candidates' mean is
 
-    X = Σ_k w_k X_k,    w_k ∝ exp(-p l_k),    l_k = (Σ_i log e_ik + PRIOR r_k) / (I + PRIOR)
+    X = Σ_k w_k X_k,    w_k ∝ exp(-p l_k),    l_k = (Σ_i log e_ik + P r_k) / (I + P)
 
-So w_k falls with the p-th power of the error. The candidates are first the `CURVES` of the rig's
-rotations. Then, on their mean X_0, they are X_0 + s (X_N - X_0) for each s of `STRENGTHS`, with
-X_N the correction of `manifold.fill`; their mean has the strength s = Σ_k w_k s_k. A hole for which
-no trial fits into the file has the weights of other sources, I = 0.
+with P = `PRIOR_TRIALS`. So w_k falls with the p-th power of the error. The candidates are first the
+`CURVES` of the rig's rotations. Then, on their mean X_0, they are X_0 + s (X_N - X_0) for each s of
+`STRENGTHS`, with X_N the correction of `manifold.fill`; their mean has the strength s = Σ_k w_k
+s_k. A hole for which no trial fits into the file has the weights of other sources, I = 0.
 """
 
 import json
@@ -196,8 +196,8 @@ STRENGTHS = np.linspace(0.0, 1.0, 5)
 POWERS = {"curves": 8.0, "strengths": 16.0}
 """POWERS: p of the module's equation, chosen on sources left out of training
 (docs/lab_book/filling.md)."""
-PRIOR = 2.0
-"""PRIOR: the number of trials that other sources count as, chosen in the same way."""
+PRIOR_TRIALS = 2.0
+"""PRIOR_TRIALS: the number of trials that other sources count as, chosen in the same way."""
 NEAR_SECONDS = 5.0
 """NEAR_SECONDS: trials are at most this far before and after a hole (s)."""
 MARGIN_SECONDS = 0.2
@@ -358,7 +358,7 @@ def weights(prior: np.ndarray, errors: np.ndarray | None, power: float) -> np.nd
     """w of the module's equation, (K,), from r (K,) and the errors of trials (I, K), if any."""
     logs = np.log(np.maximum(np.empty((0, len(prior))) if errors is None else errors, LEAST_METRES))
     logs -= logs[:, :1]  # trials that are hard for all candidates weigh no more
-    score = (logs.sum(axis=0) + PRIOR * prior) / (len(logs) + PRIOR)
+    score = (logs.sum(axis=0) + PRIOR_TRIALS * prior) / (len(logs) + PRIOR_TRIALS)
     weight = np.exp(-power * (score - score.min()))
     return weight / weight.sum()
 

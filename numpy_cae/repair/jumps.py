@@ -37,11 +37,11 @@ cubic (m), as after a single step of `OFF_MEDIAN_METRES`."""
 SHARP_ACCELERATION = 45.0
 """SHARP_ACCELERATION: such a joint is also further from the cubic than this acceleration (m/s²)
 moves it in the time of a frame."""
-SHARPNESS = 0.45
-"""SHARPNESS: such a joint is also further from the cubic than this times its largest step of two
-frames around. After a frame that is elsewhere the ratio is 1, in noise about 1, where a joint moves
-to another place within a step 0.5, where it stops within a frame 0.33; in fast motion at 24 to 30
-frames a second it is mostly below 0.2."""
+SHARPNESS_RATIO = 0.45
+"""SHARPNESS_RATIO: such a joint is also further from the cubic than this times its largest step of
+two frames around. After a frame that is elsewhere the ratio is 1, in noise about 1, where a joint
+moves to another place within a step 0.5, where it stops within a frame 0.33; in fast motion at 24
+to 30 frames a second it is mostly below 0.2."""
 ROUNDS = 3
 """ROUNDS: the strong filter acts at most this often."""
 BLENDED_SECONDS = 0.25
@@ -143,7 +143,7 @@ def sharp_steps(
         off = np.linalg.norm(off_cubic(positions), axis=-1)
         steps = np.linalg.norm(np.diff(positions, axis=0), axis=-1)
         around = sliding_window_view(np.pad(steps, ((2, 2), (0, 0))), 5, axis=0).max(axis=-1)
-        is_off = np.maximum(off[:-1], off[1:]) >= np.maximum(least, SHARPNESS * around)
+        is_off = np.maximum(off[:-1], off[1:]) >= np.maximum(least, SHARPNESS_RATIO * around)
         return is_off & (_off_median(positions) > 1)
 
     return _steps_that(motion, frames, sharp)

@@ -7,7 +7,7 @@ its parent's, has
 
 where s rises from 0 to 1 within a few frames, and later falls back. A kick or a gesture changes a
 rotation as fast. Therefore each of these is asked, and each has a threshold. The first two, of the
-file, and the last two, of the manifold, may make up for each other a little (`WEAKEST`):
+file, and the last two, of the manifold, may make up for each other a little (`WEAKEST_RATIO`):
 
 - undone, the turn leaves smaller accelerations while s rises and falls (`ROUGH_SHARE`)
 - the other joints move little meanwhile (`OTHERS_SHARE`), the elbow or knee too (`BEND_SHARE`)
@@ -61,9 +61,9 @@ MOST_ASKED = 40
 MOST_LEVEL = 1.3
 """MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
 is not, the manifold is not asked."""
-WEAKEST = 1.6
-"""WEAKEST: strong evidence of the file makes up for weak evidence of the manifold, and the other
-way round, but no share may exceed its threshold by more than this factor."""
+WEAKEST_RATIO = 1.6
+"""WEAKEST_RATIO: strong evidence of the file makes up for weak evidence of the manifold, and the
+other way round, but no share may exceed its threshold by more than this factor."""
 AROUND_SECONDS = 2.5
 """AROUND_SECONDS: the manifold fills in a limb from the motion up to this time (s) around."""
 ROUGH_SHARE = 0.95
@@ -78,9 +78,9 @@ UNEXPLAINED_SHARE = 0.25
 share unexplained."""
 CHILD_SHARE = 0.6
 """CHILD_SHARE: the elbow or knee differs from the filled one by at most this share of the turn."""
-ARM_CAUTION = 2.0
-"""ARM_CAUTION: for an arm each threshold is divided by this, since arms that gesture do what legs
-hardly do."""
+ARM_CAUTION_RATIO = 2.0
+"""ARM_CAUTION_RATIO: for an arm each threshold is divided by this, since arms that gesture do what
+legs hardly do."""
 TURNED_JOINTS = {
     f"{side}_{joint}": LIMBS[f"{side}_{limb}"]
     for side in ("left", "right")
@@ -196,9 +196,9 @@ def _best(
     of_model = _levels_of_model(motion, manifold, name, turns)
     of_file = [_level_in_file(motion, name, turn) for turn in turns]
     both = np.sqrt(np.multiply(of_model, of_file))
-    levels = np.maximum(both, np.maximum(of_model, of_file) / WEAKEST)
+    levels = np.maximum(both, np.maximum(of_model, of_file) / WEAKEST_RATIO)
     best = int(np.argmin(levels))
-    caution = ARM_CAUTION if name.endswith("shoulder") else 1.0
+    caution = ARM_CAUTION_RATIO if name.endswith("shoulder") else 1.0
     return turns[best], caution * float(levels[best])
 
 
@@ -305,10 +305,10 @@ def _levels_of_model(
     holes = Holes(Body(near, manifold.lengths), joint_mask(len(near), TURNED_JOINTS[name], hole))
     strength = np.ones(holes.mask.shape)
     filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
-    joint, child = (rig_of(motion).joints[JOINTS.index(name) + below] for below in (0, 1))
-    pairs = [(m.rotations[hole, joint], m.rotations[hole, child]) for m in (filled, near)]
-    of_child = np.linalg.norm(_between(pairs[0][1], pairs[1][1], False), axis=1)
-    difference = [_between(pairs[0][0], pairs[1][0], in_parent) for in_parent in (False, True)]
+    joint, child = rig_of(motion).joints[JOINTS.index(name) :][:2]
+    known, present = filled.rotations[hole], near.rotations[hole]
+    of_child = np.linalg.norm(_between(known[:, child], present[:, child], False), axis=1)
+    difference = [_between(known[:, joint], present[:, joint], way) for way in (False, True)]
     levels = []
     for turn in turns:
         share = turn.share(np.arange(first, end))

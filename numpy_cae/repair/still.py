@@ -25,8 +25,8 @@ FROZEN_FRAMES = 6
 """FROZEN_FRAMES: a rotation is frozen if it stands still for at least so many steps."""
 FROZEN_JUMP_METRES = 0.03
 """FROZEN_JUMP_METRES: a frozen rotation then jumps by more than this (m)."""
-FROZEN_JUMP_SPEED = 1.5
-"""FROZEN_JUMP_SPEED: a frozen rotation then jumps faster than this (m/s)."""
+FROZEN_JUMP_METRES_A_SECOND = 1.5
+"""FROZEN_JUMP_METRES_A_SECOND: a frozen rotation then jumps faster than this (m/s)."""
 UNUSED_SHARE = 0.75
 """UNUSED_SHARE: a rotation that stands still for more than this share of the file is not frozen,
 but not used."""
@@ -69,7 +69,7 @@ def _frozen(curve: Curve, steps: np.ndarray, sensitivity: float) -> Iterator[Fin
     if not curve.is_rotation or np.mean(steps <= STILL_METRES) >= UNUSED_SHARE:
         return
     least_frames = max(FROZEN_FRAMES, round(FROZEN_SECONDS * curve.rate))
-    least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_SPEED / curve.rate)
+    least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_METRES_A_SECOND / curve.rate)
     for segment, into in _still_segments(steps, least_frames, least_metres, sensitivity):
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
@@ -113,7 +113,7 @@ def _score_of_jump(step: float, neighbours: np.ndarray, least_metres: float) -> 
     return float(step / max(least_metres, usual, STILL_METRES))
 
 
-def find_t_pose(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+def find_t_pose(motion: Motion) -> list[Finding]:
     """At most one finding, of kind "T-pose".
 
     Examples
@@ -124,7 +124,7 @@ def find_t_pose(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> find_t_pose(motion)
     [body: frame 0: T-pose (...
     """
-    pose = leading_t_pose(motion, 1 / (2 * sensitivity))
+    pose = leading_t_pose(motion)
     if pose is None:
         return []
     why = f"arms held out, then all joints move by {100 * pose.step:.0f} cm in a frame"

@@ -10,14 +10,14 @@ from numpy_cae.motion import JOINTS
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
-from numpy_cae.repair.holes import PRIOR, curves_and_strengths, trials_in, weights
+from numpy_cae.repair.holes import PRIOR_TRIALS, curves_and_strengths, trials_in, weights
 from numpy_cae.repair.interpolated import on_curves
 
 
 def test_weights_fall_with_the_power_of_the_error_and_start_at_the_prior():
     prior = np.log([1.0, 2.0])
     np.testing.assert_allclose(weights(prior, np.empty((0, 2)), 3.0), [8 / 9, 1 / 9])
-    trials = np.full((int(PRIOR), 2), [0.04, 0.02])  # as many as the prior counts for
+    trials = np.full((int(PRIOR_TRIALS), 2), [0.04, 0.02])  # as many as the prior counts for
     np.testing.assert_allclose(weights(prior, trials, 3.0), [0.5, 0.5])
 
 

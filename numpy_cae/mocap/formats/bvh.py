@@ -40,8 +40,9 @@ from numpy_cae.mocap.formats.text_file import (
 )
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
-SLOWEST, FASTEST = 8.0, 2000.0
-"""SLOWEST, FASTEST: no recorder of motion has a rate below or above these (frames a second)."""
+SLOWEST_RATE, FASTEST_RATE = 8.0, 2000.0
+"""SLOWEST_RATE, FASTEST_RATE: no recorder of motion has a rate (frames a second) below or above
+these."""
 CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
 CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
 """CHANNELS: usual spelling of each channel -> its name in `Channels`. Files differ in case."""
@@ -195,7 +196,7 @@ def _read_motion(
     if lines != stated:
         text = f"Frames: says {count}, but {lines} lines of values follow and were read"
         notes.append(Note("frames", text))
-    if not SLOWEST <= rate <= FASTEST:
+    if not SLOWEST_RATE <= rate <= FASTEST_RATE:
         text = f"Frame Time: {time} is {rate:.3g} frames a second; is that right?"
         notes.append(Note("rate", text, in_doubt=True))
     return rate, values, notes + file.lost_values(values)

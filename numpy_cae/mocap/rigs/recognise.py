@@ -229,8 +229,8 @@ def joint_index(name: str, motion: Motion) -> int:
     raise UnknownRigError(f"there is no joint {name!r}; the twenty are {pairs}")
 
 
-UNEQUAL = 1.5
-"""UNEQUAL: the bones of a left and a right limb differ by at most this factor. A program that
+UNEQUAL_RATIO = 1.5
+"""UNEQUAL_RATIO: the bones of a left and a right limb differ by at most this factor. A program that
 estimates a pose from one video frame gives them different lengths."""
 LEG_COSINE = 0.5
 """LEG_COSINE: where a person stands, the direction from the hips to the ankles and that from the
@@ -306,7 +306,7 @@ def _length_problem(at: dict[str, np.ndarray], lengths: np.ndarray) -> str:
     mean = {"trunk": float(np.median(trunk))}
     for joint in ("elbow", "wrist", "knee", "ankle"):
         left, right = length[f"left_{joint}"], length[f"right_{joint}"]
-        if not max(left, right) <= UNEQUAL * min(left, right):
+        if not max(left, right) <= UNEQUAL_RATIO * min(left, right):
             return f"the bones to left_{joint} and right_{joint} are not equally long"
         mean[joint] = (left + right) / 2
     for bones, (one, other, least, most) in RATIOS.items():
@@ -338,8 +338,8 @@ shares are those of CMU's rig."""
 _TOE, _HEAD = 0.33, 0.6
 """_TOE, _HEAD: the distance from the ankle to an added toe in shins, and from the chest to an added
 head in thighs; in the files of five sources they are 0.23 to 0.5 and 0.45 to 0.75."""
-_SHORT = 0.1
-"""_SHORT: an End Site nearer to the ankle than this part of the shin is no toe."""
+_SHORT_SHARE = 0.1
+"""_SHORT_SHARE: an End Site nearer to the ankle than this part of the shin is no toe."""
 
 
 def with_added_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMotion:
@@ -411,7 +411,7 @@ def _estimated(
         forward = np.cross(at["left_hip"] - at["right_hip"], -shin)
         along = 0.87 * _unit(forward) + 0.5 * _unit(shin)  # as in `REST_DIRECTIONS`
         distance = _TOE * np.linalg.norm(shin, axis=-1)
-        if np.linalg.norm(end_site) > _SHORT / _TOE * np.median(distance):
+        if np.linalg.norm(end_site) > _SHORT_SHARE / _TOE * np.median(distance):
             return end_site
     offsets = rotate(inverse(rotations[:, found[parent]]), distance[:, None] * along)
     return np.median(offsets, axis=0)

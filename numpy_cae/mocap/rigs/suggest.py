@@ -19,16 +19,16 @@ _MAX_JOINTS = 1000
 """_MAX_JOINTS: nothing is suggested for a skeleton with more joints."""
 _MAX_PAIRS = 50
 """_MAX_PAIRS: only the longest pairs of limbs, this many, are compared."""
-_TINY = 0.1
-"""_TINY: a limb is longer than this part of the longest path from the root to a tip."""
-_SAME = 0.15
-"""_SAME: a left and a right limb differ in length by at most this part of the longer one."""
-_LONG = 0.75
-"""_LONG: consider the shorter of the two bones at each joint of a limb. At a knee or elbow it is at
-least this part of the longest of these."""
-_HEAD = 0.06
-"""_HEAD: the head joint is below the top of the head by at least this part of the longest path from
-the root to a tip."""
+_TINY_SHARE = 0.1
+"""_TINY_SHARE: a limb is longer than this part of the longest path from the root to a tip."""
+_SAME_SHARE = 0.15
+"""_SAME_SHARE: a left and a right limb differ in length by at most this part of the longer one."""
+_LONG_SHARE = 0.75
+"""_LONG_SHARE: consider the shorter of the two bones at each joint of a limb. At a knee or elbow it
+is at least this part of the longest of these."""
+_HEAD_SHARE = 0.06
+"""_HEAD_SHARE: the head joint is below the top of the head by at least this part of the longest
+path from the root to a tip."""
 _NOT_A_JOINT = re.compile(r"twist|roll|[._]0\d\d$", re.IGNORECASE)
 """_NOT_A_JOINT: names of joints that divide one bone."""
 
@@ -120,12 +120,12 @@ def _chains(skeleton: Skeleton) -> tuple[list[list[int]], list[float]]:
 
 def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
     """The longest pairs of branches at a joint that are not tiny and of nearly the same length."""
-    least = _TINY * max(reach)
+    least = _TINY_SHARE * max(reach)
     pairs = []
     for joint in range(len(reach)):
         long = [child for child in skeleton.children(joint) if reach[child] > least]
         for one, other in combinations(long, 2):
-            if abs(reach[one] - reach[other]) <= _SAME * max(reach[one], reach[other]):
+            if abs(reach[one] - reach[other]) <= _SAME_SHARE * max(reach[one], reach[other]):
                 pairs.append((joint, one, other))
     return sorted(pairs, key=lambda pair: -reach[pair[1]] - reach[pair[2]])[:_MAX_PAIRS]
 
@@ -143,16 +143,16 @@ def _limb(skeleton: Skeleton, chain: list[int]) -> tuple[int | None, ...]:
     bones = [_length(skeleton, chain[start + 1 : end + 1]) for start, end in pairwise(ends)]
     # The last pair of adjacent long bones, as a collar may be as long as a forearm.
     shorter = np.minimum(bones[:-1], bones[1:])
-    first = int(np.flatnonzero(shorter >= _LONG * shorter.max())[-1])
+    first = int(np.flatnonzero(shorter >= _LONG_SHARE * shorter.max())[-1])
     return tuple([None, *joints, None][first : first + 5])
 
 
 def _head(skeleton: Skeleton, necks: list[list[int]], reach: list[float]) -> int:
     """In the longest branch the first joint whose name contains "head", or else the last joint that
-    is not close to the tip: at `_HEAD` of the longest reach or more."""
+    is not close to the tip: at `_HEAD_SHARE` of the longest reach or more."""
     neck = max(necks, key=lambda chain: reach[chain[0]] + len(chain))
     named = [joint for joint in neck if "head" in skeleton.names[joint].lower()]
-    high = [joint for joint in neck if reach[joint] >= _HEAD * max(reach)]
+    high = [joint for joint in neck if reach[joint] >= _HEAD_SHARE * max(reach)]
     return named[0] if named else (high or neck)[-1]
 
 
