@@ -52,7 +52,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
     add("--as", **named, metavar="OPERATION=FUNCTION", help="test a function of another name")
     add("--lesson", default="", metavar="NN", help="lesson of the exercises (default: the file's)")
-    add("--any-convention", **arguments.FLAG, help="accept other documented conventions")
     for name, unit, most in (("time", "SECONDS", 120.0), ("memory", "MB", 2048.0)):
         limit = {"type": arguments.positive, "default": most, "metavar": unit}
         add(f"--{name}-limit", **limit, help=f"{name} for one file at most (default: {most:g})")
@@ -95,7 +94,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
         if file.fault:
             return FileReport(file.path, faults=[file.fault])
         lesson = args.lesson or file.lesson
-        return grade(file.path, catalogue, dict(args.named), *limits, lesson, args.any_convention)
+        return grade(file.path, catalogue, dict(args.named), *limits, lesson)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
         made = pool.map(graded_file, files)

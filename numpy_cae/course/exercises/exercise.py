@@ -111,7 +111,6 @@ class Stated:
             arguments=self.arguments,
             sizes={**self.sizes, **_as_tuples(entry.get("sizes", {}))},
             group=GRADIENT if "gradient" in entry else form,
-            watches_state=name == "purity",
             **options,
         )
 

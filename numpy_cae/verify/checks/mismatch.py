@@ -15,7 +15,6 @@ NOT_FINITE = "not finite"
 SLOPE = "slope"
 KINK = "kink"
 REPEATED = "repeated"
-STATE = "state"
 
 
 @dataclass(eq=False)

@@ -5,6 +5,7 @@ again.
 """
 
 import textwrap
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -22,9 +23,9 @@ WIDTH = 98
 INDENT = 10
 GROUPS = ("value", "gradients", "the rest")
 """What a property is about, by its `group`."""
+IN_ORDER = " (each counts once those before it are right)"
 UNSOLVED = NotImplementedError.__name__
 """UNSOLVED: the kind of an outcome where the function is still the stub of a lesson."""
-WAITS = ("", " (counts once the value earns all)", " (counts once value and gradients are right)")
 ROUNDING = 1e-6
 """ROUNDING: a sum of points that is at most this below a whole number is that number."""
 
@@ -80,11 +81,16 @@ class Report:
 
     def as_json(self) -> dict:
         """The report in plain dicts, lists and numbers."""
-        points = zip(self.outcomes, self.earned(), strict=True)
-        of_function = {"operation": self.operation, "function": self.called}
-        of_function |= {"convention": self.exercise.convention, "notes": self.notes}
-        result = {"points": self.points, "possible": self.possible, "held": self.held}
-        return of_function | result | {"properties": [_as_json(*both) for both in points]}
+        made = {name: getattr(self, name) for name in ("points", "possible", "held", "notes")}
+        properties = []
+        for outcome, points in zip(self.outcomes, self.earned(), strict=True):
+            stated = outcome.stated
+            named = {"name": stated.name, "statement": stated.statement}
+            named |= {"points": points, "possible": stated.points}
+            properties.append(named | as_json(outcome))
+        return {"operation": self.operation, "function": self.called, **made} | {
+            "properties": properties
+        }
 
     def _lines(self) -> Iterator[str]:
         title = self.called + ("" if self.called == self.operation else f" as {self.operation}")
@@ -93,9 +99,6 @@ class Report:
             title += f": all {every} properties hold" if every > 1 else ": it holds"
         score = f"{self.points} of {self.possible} points"
         yield title + score.rjust(WIDTH - len(title))
-        if self.exercise.convention != catalogue.CONTRACT:
-            note = "Right, but in another convention than numpy_cae's: "
-            yield from _wrapped("  ", f"{note}{self.exercise.convention}.", 2)
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
             for outcome in self.outcomes:
@@ -139,31 +142,24 @@ class Report:
         return sorted(failing, key=place)
 
     def _shares(self) -> str:
-        """The points of each group of properties, and why one that holds may have none."""
-        pairs = list(zip(self.outcomes, self.earned(), strict=True))
-        groups = {outcome.stated.group for outcome in self.outcomes}
-        texts = []
-        for number in sorted(groups):
-            of_group = [(o, points) for o, points in pairs if o.stated.group == number]
-            got = sum(points for _, points in of_group)
-            possible = sum(outcome.stated.points for outcome, _ in of_group)
-            waits = any(outcome.held and not points for outcome, points in of_group)
-            wait = WAITS[number if 1 in groups else min(number, 1)] * waits
-            texts.append(f"{GROUPS[number]} {got:.3g} of {possible:.3g}{wait}")
-        is_rounded = sum(self.earned()) > self.points + ROUNDING
-        return ", ".join(texts) + "; the sum is rounded down" * is_rounded
+        """The points of each group of properties."""
+        possible: Counter = Counter()
+        earned: Counter = Counter()
+        for outcome, points in zip(self.outcomes, self.earned(), strict=True):
+            possible[outcome.stated.group] += outcome.stated.points
+            earned[outcome.stated.group] += points
+        texts = [f"{GROUPS[n]} {earned[n]:.3g} of {possible[n]:.3g}" for n in sorted(possible)]
+        return ", ".join(texts) + IN_ORDER * (len(texts) > 1)
 
 
 def _reason(outcome: Outcome) -> tuple[str, str]:
     return outcome.problem.splitlines()[0], outcome.mistake
 
 
-def _as_json(outcome: Outcome, points: float) -> dict:
-    stated = outcome.stated
-    of_property = {"name": stated.name, "statement": stated.statement, "held": outcome.held}
-    of_property |= {"points": points, "possible": stated.points, "problem": outcome.problem}
-    why = {"counterexample": outcome.counterexample, "likely_mistake": outcome.mistake}
-    return of_property | why
+def as_json(outcome: Outcome) -> dict:
+    """Whether a property holds and why not, in plain texts."""
+    why = {"problem": outcome.problem, "counterexample": outcome.counterexample}
+    return {"held": outcome.held, **why, "likely_mistake": outcome.mistake, "kind": outcome.kind}
 
 
 def _listed(head: str, names: Sequence[str]) -> list[str]:
@@ -191,7 +187,6 @@ def _wrapped(head: str, text: str, indent: int) -> list[str]:
 def report(
     operation: str | Exercise,
     function: Callable,
-    any_convention: bool = False,
     called: str | None = None,
 ) -> Report:
     """Test an implementation for every property of an operation.
@@ -202,8 +197,6 @@ def report(
         An operation of `numpy_cae.ops`, "tied_layer", or an exercise.
     function : callable
         With the arguments of that operation; returns a value and its pullback.
-    any_convention : bool
-        Whether another documented convention may be followed, such as GRU gates in another order.
     called : str, optional
         The name of the function in the report; by default its `__name__`.
 
@@ -232,24 +225,18 @@ def report(
     """
     exercise = catalogue.find_exercise(operation)
     called = called or getattr(function, "__name__", exercise.name)
-    followed, outcomes = tested(exercise, function, any_convention)
-    return Report(followed, called, outcomes)
+    return Report(exercise, called, tested(exercise, function))
 
 
 def tested(
     exercise: Exercise,
     function: Callable,
-    any_convention: bool,
     begin: Callable[[Sequence[Outcome], Case], None] = lambda outcomes, case: None,
-) -> tuple[Exercise, tuple[Outcome, ...]]:
-    """The outcome of every property, and the exercise in the convention that was followed.
+) -> tuple[Outcome, ...]:
+    """The outcome of every property.
 
     `begin` is called before each case, with the outcomes of the properties before.
     """
-    if any_convention:
-        for followed in (exercise, *catalogue.in_other_conventions(exercise)):
-            if holds(followed, function):
-                return followed, tuple(Outcome(stated, True) for stated in followed.properties)
     first, *others = exercise.properties
     outcomes = [try_property(first, function, begin=partial(begin, ()))]
     is_unsolved = outcomes[0].kind == UNSOLVED
@@ -258,7 +245,7 @@ def tested(
         untried = Outcome(stated, False, UNSOLVED * is_unsolved, kind=UNSOLVED * is_unsolved)
         begin_next = partial(begin, outcomes)
         outcomes.append(try_property(stated, function, begin=begin_next) if is_tried else untried)
-    return exercise, tuple(outcomes)
+    return tuple(outcomes)
 
 
 def _never_answers(stated: Property, function: Callable) -> bool:
@@ -277,18 +264,13 @@ def readable(text: str) -> str:
     return visible(text[:LONGEST_TEXT])
 
 
-TEXTS = ("problem", "counterexample", "mistake", "kind")
+TEXTS = ("problem", "counterexample", "likely_mistake", "kind")
 
 
-def reply_of(followed: Exercise, outcomes: Sequence[Outcome]) -> dict:
+def reply_of(outcomes: Sequence[Outcome]) -> dict:
     """The outcomes in plain dicts, lists and texts, and the warnings of the function."""
     notes = dict.fromkeys(note for outcome in outcomes for note in outcome.notes)
-    made = [_as_dict(outcome) for outcome in outcomes]
-    return {"convention": followed.convention, "outcomes": made, "notes": list(notes)}
-
-
-def _as_dict(outcome: Outcome) -> dict:
-    return {name: getattr(outcome, name) for name in ("held", *TEXTS)}
+    return {"outcomes": list(map(as_json, outcomes)), "notes": list(notes)}
 
 
 def report_of(exercise: Exercise, called: str, reply: dict) -> Report:
@@ -300,16 +282,14 @@ def report_of(exercise: Exercise, called: str, reply: dict) -> Report:
     try:
         problem = readable(reply.get("failed", ""))
         if "outcomes" in reply or not problem:
-            every = (exercise, *catalogue.in_other_conventions(exercise))
-            (followed,) = (one for one in every if one.convention == reply["convention"])
-            both = zip(followed.properties, reply["outcomes"], strict=not problem)
+            both = zip(exercise.properties, reply["outcomes"], strict=not problem)
             outcomes = [
                 Outcome(stated, one["held"] is True, *(readable(one[name]) for name in TEXTS))
                 for stated, one in both
             ]
             if problem:
-                outcomes += _ended(followed.properties[len(outcomes) :], problem, reply["trying"])
-            return Report(followed, called, tuple(outcomes))
+                outcomes += _ended(exercise.properties[len(outcomes) :], problem, reply["trying"])
+            return Report(exercise, called, tuple(outcomes))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
     return Report(exercise, called, tuple(Outcome(p, False, problem) for p in exercise.properties))

@@ -74,7 +74,6 @@ def grade(
     seconds: float = TIME_LIMIT,
     megabytes: int = MEMORY_LIMIT,
     lesson: str = "",
-    any_convention: bool = False,
 ) -> FileReport:
     """Run a student's file in processes of its own and test its functions.
 
@@ -96,8 +95,6 @@ def grade(
     lesson : str
         The lesson whose exercises all count; by default that of the cells or of the file's name,
         such as 03_mine.py.
-    any_convention : bool
-        Whether other documented conventions may be followed.
 
     Returns
     -------
@@ -126,10 +123,9 @@ def grade(
         if {*wanted, *given} <= operations.CATALOGUE.keys():
             catalogue = operations  # quicker to import
         file = {"path": str(path.resolve()), "catalogue": catalogue.__name__, "wanted": wanted}
-        file |= {"given": sorted(given), "any_convention": any_convention}
+        file |= {"given": sorted(given), "replaced": assigned if submission.is_notebook else ()}
         limits = {"seconds": seconds, "cpu_seconds": EXERCISE_SECONDS, "megabytes": megabytes}
-        replaced = list(assigned) if submission.is_notebook else []
-        reply = run({**file, **limits, "replaced": replaced})
+        reply = run(file | limits)
     return _graded(submission, exercises, wanted, {*assigned, *named}, reply)
 
 

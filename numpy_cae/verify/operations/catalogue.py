@@ -5,20 +5,17 @@
 `numpy_cae.course.catalogue` has a larger `CATALOGUE`, which contains the exercises of the lessons.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from numpy_cae.verify.operations.case import ORDINARY, Case
 from numpy_cae.verify.operations.operation import OPERATIONS
-from numpy_cae.verify.operations.patch import Patch, conventions_of, right_operation
+from numpy_cae.verify.operations.patch import right_operation
 from numpy_cae.verify.operations.property import Property, right_results
 from numpy_cae.verify.operations.shared_properties import LARGEST, shared_properties
 from numpy_cae.verify.operations.single_properties import single_properties
-
-CONTRACT = "that of numpy_cae.ops"
-"""The convention that an implementation follows unless another one is allowed."""
 
 
 @dataclass(frozen=True)
@@ -30,30 +27,16 @@ class Exercise:
     properties: tuple[Property, ...] = field(repr=False)
     hint: str = ""  # shown where a property does not hold
     given: tuple[str, ...] = ()  # names that an implementation may call without defining them
-    convention: str = CONTRACT
 
     @property
     def points(self) -> int:
         return round(sum(stated.points for stated in self.properties))
 
 
-def properties_of_operation(name: str, convention: Patch | None = None) -> tuple[Property, ...]:
-    """Every property of an operation, or of the operation in another convention."""
-    operation = OPERATIONS[name]
-    only_ours = ""
-    if convention is not None:
-        operation = replace(operation, reference=convention.function())
-        only_ours = convention.caught_by
-    every = [*shared_properties(operation), *single_properties(operation)]
-    every.sort(key=lambda stated: stated.name == LARGEST)  # what takes longest comes last
-    return tuple(stated for stated in every if stated.name != only_ours)
-
-
-def in_other_conventions(exercise: Exercise) -> Iterator[Exercise]:
-    """The exercise in each documented convention other than the contract's."""
-    for patch in conventions_of(exercise.name):
-        stated = properties_of_operation(exercise.name, patch)
-        yield replace(exercise, properties=stated, convention=patch.sentence)
+def properties_of_operation(name: str) -> tuple[Property, ...]:
+    """Every property of an operation."""
+    every = [*shared_properties(OPERATIONS[name]), *single_properties(OPERATIONS[name])]
+    return tuple(sorted(every, key=lambda stated: stated.name == LARGEST))  # it takes longest
 
 
 CATALOGUE: dict[str, Exercise] = {

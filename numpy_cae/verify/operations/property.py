@@ -96,7 +96,6 @@ class Property:
     example_of: str = ""  # how a report names it in a call of `example`
     seeded_by: str = ""  # what the cases depend on, by default the operation
     marks: tuple = ()  # of pytest
-    watches_state: bool = False  # whether global state is compared, too
 
     def cases(self) -> list[Case]:
         """Random cases, the same in every run, smallest arrays first."""

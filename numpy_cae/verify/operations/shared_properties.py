@@ -367,7 +367,7 @@ SHARED = (
     ("linearity", LINEAR, _linearity, UPSTREAM, {}),
     ("strides", LAID_OUT, _strides, UPSTREAM | VIEWS, {"combined": ("layout", "of")}),
     ("dtype", PRECISE, _dtype, UPSTREAM | LAYOUT, {}),
-    ("purity", PURE, _purity, UPSTREAM | LAYOUT, {"watches_state": True}),
+    ("purity", PURE, _purity, UPSTREAM | LAYOUT, {}),
     ("independence", INDEPENDENT, _independence, UPSTREAM | LAYOUT, {}),
 )
 """(name, statement, findings, classes, other fields of the property)."""

@@ -1,17 +1,12 @@
 """One property tried on one implementation, with the smallest case in which it fails."""
 
-import pickle
-import random
-import warnings
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from numpy_cae.verify.checks import written as writing
 from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.checks.mismatch import ALTERED, DTYPE, STATE, Mismatch, what_failed
+from numpy_cae.verify.checks.mismatch import ALTERED, DTYPE, what_failed
 from numpy_cae.verify.checks.notes import conclude, file_of, noted
 from numpy_cae.verify.checks.written import LONGEST_TEXT, error_text, written
 from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
@@ -19,8 +14,6 @@ from numpy_cae.verify.operations.catalogue import example_call
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.property import OVERWRITTEN, Outcome, Property
 
-WATCHED = 4
-"""WATCHED: one case in so many is checked for changes of global state, which is slow."""
 ONE_ARRAY = "Results are kept in one array: what a call returns is overwritten by the next."
 C_ORDER = "Memory in another order is read as if it were in C order, as strides and reshape may do."
 OF_KIND = {ALTERED: "That array is written to, as by -= or out=: a new one is needed."}
@@ -183,50 +176,12 @@ def failure(
     """The error that a check raises in a case, or None; warnings become notes."""
     try:
         with noted([] if notes is None else notes, file_of(implementation)):
-            if tried.watches_state and case.seed % WATCHED == 0:
-                call_keeping_state(tried.check, implementation, case)
-            else:
-                tried.check(implementation, case)
+            tried.check(implementation, case)
     except Exception as error:
         return error
     except SystemExit:
         return RuntimeError("it calls sys.exit")
     return None
-
-
-def call_keeping_state(function: Callable, *arguments: object) -> None:
-    """Call a function; raise a Mismatch if it changes global state.
-
-    Before the call the state is made unusual, so that setting the usual state again is noticed.
-    """
-    shared = np.random.get_bit_generator()
-    numbers = shared.state
-    standard = random.getstate()
-    shared.random_raw()
-    random.random()
-    quiet = np.errstate(all="call", call=lambda *error: None)
-    try:
-        with warnings.catch_warnings(), np.printoptions(precision=17), quiet:
-            warnings.simplefilter("default", ImportWarning)
-            before = _state()
-            function(*arguments)
-            changed = [what for what, now in _state().items() if now != before[what]]
-    finally:
-        shared.state = numbers
-        random.setstate(standard)
-    if changed:
-        what = ", ".join(changed)
-        raise Mismatch(STATE, what, f"it changes {what}: the whole program shares that")
-
-
-def _state() -> dict[str, object]:
-    return {
-        "np.seterr": np.geterr(),
-        "np.set_printoptions": np.get_printoptions(),
-        "the state of np.random": pickle.dumps(np.random.get_bit_generator().state),
-        "the state of random": random.getstate(),
-        "the filters of warnings": list(warnings.filters),
-    }
 
 
 def _described(tried: Property, case: Case, last: Recorder, error: Exception) -> Iterator[str]:

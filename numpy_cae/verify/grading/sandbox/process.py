@@ -9,8 +9,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-from numpy_cae.atomic_write import has_ended
-
 STARTUP_SECONDS = 30.0
 """STARTUP_SECONDS: the grader's process may take this time (s) to import its modules."""
 BUSY = 10
@@ -19,7 +17,7 @@ BUSY = 10
 The limits that decide on marks do not count the time in which a process waits for a processor. This
 one is for a grader that a student's file has stopped.
 """
-FOLDER = "numpy_cae_grading_"
+PREFIX = "numpy_cae_grading_"
 PROJECT = str(Path(__file__).parents[4])
 KEPT = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "BLIS")
@@ -33,9 +31,7 @@ def run(request: dict) -> dict:
     environment = {name: os.environ[name] for name in KEPT if name in os.environ} | ONE_THREAD
     environment["PYTHONPATH"] = os.pathsep.join([PROJECT, os.environ.get("PYTHONPATH", "")])
     timeout = BUSY * (request["seconds"] + STARTUP_SECONDS)
-    _remove_leftovers()
-    made = tempfile.TemporaryDirectory(prefix=f"{FOLDER}{os.getpid()}_", ignore_cleanup_errors=True)
-    with made as folder:
+    with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as folder:
         environment["TMPDIR"] = folder
         inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
         options = {"cwd": folder, "env": environment, "start_new_session": True, "timeout": timeout}
@@ -45,15 +41,6 @@ def run(request: dict) -> dict:
             return json.loads(ended.stdout)
         except (subprocess.TimeoutExpired, ValueError):
             return {"failed": "its grading ended without a reply"}
-
-
-@functools.cache
-def _remove_leftovers() -> None:
-    """Remove the folders that graders left whose process was killed."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{FOLDER}*_*"):
-        process = folder.name.removeprefix(FOLDER).partition("_")[0]
-        if process.isdecimal() and has_ended(int(process)):
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 @functools.cache
