@@ -31,7 +31,7 @@ def test_a_notebook_shows_the_first_failing_property_and_folds_the_rest():
     assert "FAILED  gradient for x" in before and "hint" not in before
     assert "hold: value" in folded and "ties" in folded and "hint=1" in folded
     right = course.report("unpool_even", ops.unpool_even)
-    assert str(right) == f"unpool_even: all 10 properties hold{'20 of 20 points':>63}"
+    assert str(right) == f"unpool_even: all 9 properties hold{'20 of 20 points':>64}"
     assert "adjoint in y: &lt;A y, dy&gt;" in right._repr_html_().partition("<details>")[2]
     unsolved = course.report("unfold", stand_in("unfold"))
     assert "row t holds" in unsolved._repr_html_().partition("<details>")[2]

@@ -52,7 +52,7 @@ def test_a_mistake_is_named_and_two_at_once_are_not():
     [
         ("conv1d", lambda dx, dw, db: (dw, dx, db), "The gradient for x is returned as that for w"),
         ("encode_layer", lambda dx, dw, db: (dw, dx, db), "the order is x, w, b."),
-        ("encode_layer", lambda dx, dw, db: (dx, dw[::-1], db), "the right one [[["),
+        ("encode_layer", lambda dx, dw, db: (dx, dw[::-1], db), "expected: [[["),
         ("conv1d", lambda *gradients: None, "the pullback returns None: is a return missing?"),
     ],
 )
@@ -72,4 +72,3 @@ def test_no_answer_is_right_for_every_suspect(answer):
     assert sum(verdict.startswith("not yet: ") for verdict in verdicts) >= 5
     assert not hasattr(SUSPECTS[0], "caught_by")
     assert "tried" not in str(accused) and SUSPECTS[5].objection("purity") == ""
-    assert ("3.33 of 20; the sum is rounded down" in str(accused)) == (accused.points == 3)

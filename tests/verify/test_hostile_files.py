@@ -4,13 +4,11 @@ import inspect
 import json
 import os
 import sys
-import threading
 
 import pytest
 
 from numpy_cae.course.solutions.lesson_03 import unfold
 from numpy_cae.verify.grading import student_file as grading
-from numpy_cae.verify.grading.sandbox.child import SEVERAL_THREADS, do_apart
 from numpy_cae.verify.grading.submission import read_submission
 from studies.marks.pieces import PIECES
 
@@ -157,15 +155,3 @@ def test_a_folder_and_a_device_are_no_files(tmp_path):
     assert grading.grade(tmp_path).faults == ["it is no file"]
     os.mkfifo(tmp_path / "pipe.py")
     assert grading.grade(tmp_path / "pipe.py").faults == ["it is no file"]
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted on Linux only")
-def test_a_process_with_several_threads_is_not_forked():
-    done = threading.Event()
-    thread = threading.Thread(target=done.wait)
-    thread.start()
-    try:
-        assert do_apart(lambda: {}, 5.0) == {"failed": SEVERAL_THREADS}
-    finally:
-        done.set()
-        thread.join()

@@ -5,13 +5,8 @@ import pytest
 from written_otherwise import RIGHT
 
 from numpy_cae import verify
-from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.operations.case import VALUES
-from numpy_cae.verify.operations.catalogue import CATALOGUE, in_other_conventions
-from numpy_cae.verify.operations.patch import conventions_of
-
-FEWER = {"gru_step": slice(-1, None), "gru": slice(1)}
-"""Of the conventions of a GRU step all are combined; a GRU repeats one of its step."""
+from numpy_cae.verify.operations.catalogue import CATALOGUE
 
 
 def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
@@ -34,30 +29,6 @@ def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
 def test_what_is_written_otherwise_holds(name, function):
     report = verify.report(name, function)
     assert report.held, str(report)
-
-
-@pytest.mark.parametrize(
-    "other",
-    [
-        pytest.param(other, id=f"{name}: {other.sentence}")
-        for name in CATALOGUE
-        for other in conventions_of(name)[FEWER.get(name, slice(None))]
-    ],
-)
-def test_another_convention_fails_unless_it_is_allowed(other):
-    # A report follows the first convention that holds, and the contract's is tried first.
-    allowed = verify.report(other.operation, other.function(), any_convention=True)
-    assert allowed.held and allowed.exercise.convention == other.sentence
-    assert f"another convention than numpy_cae's: {other.sentence}"[:60] in str(allowed)
-
-
-def test_a_wrong_function_is_right_in_no_convention():
-    def wrong(x, h, w, u, b, c):
-        value, pullback = conventions_of("gru_step")[1].function()(x, h, w, u, b, c)
-        return value, lambda dy: (*pullback(dy)[:5], 2 * pullback(dy)[5])
-
-    tried = (CATALOGUE["gru_step"], *in_other_conventions(CATALOGUE["gru_step"]))
-    assert not any(holds(exercise, wrong) for exercise in tried)
 
 
 def test_an_example_is_what_a_report_prints():

@@ -18,14 +18,14 @@ def my_conv1d(x, w, b):
 
 def test_a_report_shows_points_counterexample_and_mistake():
     report = verify.report("conv1d", my_conv1d)
-    assert (report.points, report.possible, report.held) == (6, 17, False)
+    assert (report.points, report.possible, report.held) == (6, 16, False)
     failed, special = (outcome for outcome in report.outcomes if not outcome.held)
     assert (failed.stated.name, special.stated.name) == ("gradient for b", "special inputs")
     assert special.counterexample.startswith("batch 1, frames 2, channels 1, filters 1, taps 1")
     assert failed.mistake == ""  # no planted bug takes the mean over windows and frames
     text = str(report)
     assert text.splitlines()[0].startswith("my_conv1d as conv1d")
-    assert text.splitlines()[0].endswith("6 of 17 points")
+    assert text.splitlines()[0].endswith("6 of 16 points")
     assert "FAILED  gradient for b" in text and "hold: value, gradient for x" in text
     assert max(map(len, text.splitlines())) <= 100
 
@@ -91,20 +91,9 @@ def naive_sigmoid(x):
     return y, lambda dy: dy * y * (1 - y)
 
 
-def test_an_overflow_is_a_note_of_every_check_and_costs_nothing():
-    overflow = r"note: RuntimeWarning: overflow encountered in exp \(line \d+\)"
-    report = verify.report("sigmoid", naive_sigmoid)
-    assert report.held and re.search(overflow, str(report))
-    wrong = lambda x: (naive_sigmoid(x)[0], lambda dy: 2 * naive_sigmoid(x)[1](dy))  # noqa: E731
-    x = np.array([0.5, -1000.0])
-    (stated,) = verify.properties_of(naive_sigmoid, {"x": "..."}, values={"x": (-1e4, 1.0)})[:1]
-    with pytest.warns(RuntimeWarning, match=overflow):
-        verify.check_property(stated, naive_sigmoid)
-    with pytest.warns(RuntimeWarning, match=overflow):
-        verify.check_gradients(naive_sigmoid, x)
-    for check in (
-        lambda: verify.check_property(stated, wrong),
-        lambda: verify.check_gradients(wrong, x),
-    ):
-        with pytest.raises(AssertionError, match=overflow):
-            check()
+@pytest.mark.filterwarnings("default")
+def test_an_overflow_is_a_warning_and_costs_nothing():
+    with pytest.warns(RuntimeWarning, match="overflow encountered in exp"):
+        assert verify.report("sigmoid", naive_sigmoid).held
+    with pytest.warns(RuntimeWarning, match="overflow encountered in exp"):
+        verify.check_gradients(naive_sigmoid, np.array([0.5, -1000.0]))

@@ -8,7 +8,7 @@ way.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 
@@ -17,7 +17,6 @@ from numpy_cae.course.exercises.arguments import Arguments, drawn
 from numpy_cae.course.exercises.checks import CHECKS, Check, on_copies, purity, same_as
 from numpy_cae.course.exercises.differentiated import AGREES, Differentiated
 from numpy_cae.course.exercises.entries import FOLDER, entries_of
-from numpy_cae.course.exercises.whole_gradients import WholeGradient
 from numpy_cae.verify.operations.case import Sizes
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation
@@ -74,7 +73,7 @@ class Stated:
     def properties(self) -> list[Property]:
         """Those of an operation if it returns a value and its pullback, else those stated."""
         if self.inputs and "returns" not in self.entries:
-            return [self._with_whole_gradient(p) for p in shared_properties(self._operation())]
+            return list(shared_properties(self._operation()))
         every = dict(self.entries.get("properties", {}))
         if self.entries.get("float32"):
             every["dtype"] = FLOAT32
@@ -87,17 +86,10 @@ class Stated:
 
     def _operation(self) -> Operation:
         """The value has to be that of the solution, the gradients those of the student's value."""
-        value = lambda *arguments: self.solution(*arguments)[0]  # noqa: E731
+        stated = (self.solution.__name__, self.sizes, self.arguments, self.inputs)
         linear_in = tuple(self.entries.get("linear_in", "").split())
-        name = self.solution.__name__
-        return Operation(name, self.sizes, self.arguments, self.inputs, value, linear_in)
-
-    def _with_whole_gradient(self, stated: Property) -> Property:
-        if stated.group != GRADIENT:
-            return stated
-        argument = stated.name.removeprefix("gradient for ")
-        compared = (stated.check.operation, stated.check.findings)
-        return replace(stated, check=WholeGradient(*compared, argument, self.solution))
+        options = {"reference": self.solution, "by_differences": True}
+        return Operation(*stated, linear_in=linear_in, **options)
 
     def _property(self, name: str, entry: Mapping) -> Property:
         options = {"examples": entry["examples"]} if "examples" in entry else {}

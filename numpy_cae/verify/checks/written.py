@@ -1,7 +1,9 @@
 """Numbers, arrays and other things as they are written in a message."""
 
+import inspect
 import os
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +50,12 @@ def described(thing: object) -> str:
         return f"a tuple of {' and '.join(map(described, thing))}"
     kind = "None: is a return missing?" if thing is None else type(thing).__name__
     return f"a {kind} of {len(thing)}" if isinstance(thing, tuple | list | dict) else kind
+
+
+def file_of(function: Callable) -> str:
+    """The file in which a function is written, or "" where this is unknown."""
+    code = getattr(inspect.unwrap(function), "__code__", None)
+    return getattr(code, "co_filename", "")
 
 
 def error_text(error: BaseException, file: str = "") -> str:

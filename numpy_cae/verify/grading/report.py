@@ -48,11 +48,6 @@ class Report:
         return all(outcome.kind == UNSOLVED for outcome in self.outcomes)
 
     @property
-    def notes(self) -> list[str]:
-        """The warnings of the function, such as an overflow; they cost no points."""
-        return list(dict.fromkeys(note for outcome in self.outcomes for note in outcome.notes))
-
-    @property
     def points(self) -> int:
         return int(sum(self.earned()) + ROUNDING)
 
@@ -81,7 +76,7 @@ class Report:
 
     def as_json(self) -> dict:
         """The report in plain dicts, lists and numbers."""
-        made = {name: getattr(self, name) for name in ("points", "possible", "held", "notes")}
+        made = {name: getattr(self, name) for name in ("points", "possible", "held")}
         properties = []
         for outcome, points in zip(self.outcomes, self.earned(), strict=True):
             stated = outcome.stated
@@ -108,8 +103,6 @@ class Report:
             yield from self._failures()
         if self.exercise.hint and not self.held:
             yield from _wrapped("  hint: ", self.exercise.hint, 8)
-        for note in self.notes:
-            yield from _wrapped("  note: ", note, 8)
 
     def _failures(self) -> Iterator[str]:
         """The first failing property in full, the others in short, and what earned the points."""
@@ -268,9 +261,8 @@ TEXTS = ("problem", "counterexample", "likely_mistake", "kind")
 
 
 def reply_of(outcomes: Sequence[Outcome]) -> dict:
-    """The outcomes in plain dicts, lists and texts, and the warnings of the function."""
-    notes = dict.fromkeys(note for outcome in outcomes for note in outcome.notes)
-    return {"outcomes": list(map(as_json, outcomes)), "notes": list(notes)}
+    """The outcomes in plain dicts, lists and texts."""
+    return {"outcomes": list(map(as_json, outcomes))}
 
 
 def report_of(exercise: Exercise, called: str, reply: dict) -> Report:

@@ -30,7 +30,7 @@ MISSING = (
 class FileReport:
     """The reports on a file's functions, what is wrong with the file as a whole, and notes.
 
-    A note, such as a warning of NumPy, costs no points; nor does an exercise whose cell was copied.
+    A note costs no points, such as that the cell of an exercise was copied.
     """
 
     path: Path
@@ -154,7 +154,6 @@ def _graded(
             helpers.append(report)
         else:
             graded.reports.append(report)
-            graded.notes += [f"{function}: {readable(note)}" for note in result.get("notes", ())]
     if graded.reports:
         graded.notes += [HELPER.format(report.called) for report in helpers]
     graded.reports = graded.reports or helpers

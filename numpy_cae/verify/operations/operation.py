@@ -23,7 +23,8 @@ Values = tuple[float, float] | Callable[[np.random.Generator, tuple[int, ...]], 
 class Operation:
     """What the properties need to know of an operation.
 
-    Gradients are compared with those of `reference`; without one, with differences of the value.
+    Gradients are compared with those of `reference`; without one, or `by_differences`, with
+    differences of the value.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Operation:
     definition: Callable | None = None  # arguments -> value, if there is no reference
     linear_in: tuple[str, ...] = ()
     reference: Callable | None = None  # arguments -> (value, pullback)
+    by_differences: bool = False  # then a right gradient of the reference is only shown
     saturates: bool = False  # derivatives may be far smaller than the terms they come from
     floor: float | None = None  # the rounding allowed per entry, if entries are compared singly
     without_ties: Sizes = field(default_factory=dict)  # classes of values without a kink
@@ -45,6 +47,10 @@ class Operation:
     def value(self, *arguments: object) -> np.ndarray | float:
         """The right value."""
         return self.reference(*arguments)[0] if self.reference else self.definition(*arguments)
+
+    @property
+    def has_right_gradients(self) -> bool:
+        return self.reference is not None and not self.by_differences
 
     def floor_of(self, dy: np.ndarray | float) -> float | None:
         """The floor for a gradient, proportional to the upstream gradient."""

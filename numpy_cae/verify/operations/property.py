@@ -25,7 +25,7 @@ EXAMPLES = 24
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 1.7}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
 OVERWRITTEN = "after further calls, "
-"""OVERWRITTEN: a finding about an earlier result, which a later call must not change, begins so."""
+"""OVERWRITTEN: what an earlier result is called, which a later call must not change, begins so."""
 VALUE = 0
 GRADIENT = 1
 REST = 2
@@ -34,7 +34,7 @@ UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
 """Upstream gradients: one class of arrays, or of scalars if the value is a scalar."""
 
 
-class Finding(NamedTuple):
+class Pair(NamedTuple):
     """A result of an implementation, beside what it should be."""
 
     what: str
@@ -45,7 +45,7 @@ class Finding(NamedTuple):
     kind: str = NUMBER
 
 
-Findings = Iterator[Finding]
+Pairs = Iterator[Pair]
 
 
 @dataclass(frozen=True)
@@ -53,21 +53,21 @@ class Comparison:
     """The check of an operation's property: every result is as expected."""
 
     operation: Operation
-    findings: Callable[[Operation, Callable, Case], Findings]
+    pairs: Callable[[Operation, Callable, Case], Pairs]
 
     def __call__(self, implementation: Callable, case: Case) -> None:
-        for finding in self.findings(self.operation, implementation, case):
-            if self.operation.is_single and finding.tolerance:
-                finding = finding._replace(tolerance=max(finding.tolerance, SINGLE_EXACT))
-            require_equal(*finding)
+        for pair in self.pairs(self.operation, implementation, case):
+            if self.operation.is_single and pair.tolerance:
+                pair = pair._replace(tolerance=max(pair.tolerance, SINGLE_EXACT))
+            require_equal(*pair)
 
     def results(self, implementation: Callable, case: Case) -> list:
         """All results of an implementation; if it raises, what failed comes last."""
         seen: list = []
         try:
             with np.errstate(all="ignore"):
-                for finding in self.findings(self.operation, implementation, case):
-                    seen.append(np.copy(finding.result))
+                for pair in self.pairs(self.operation, implementation, case):
+                    seen.append(np.copy(pair.result))
         except (Exception, SystemExit) as error:
             seen.append(np.array(what_failed(error)))
         return seen
@@ -120,7 +120,6 @@ class Outcome:
     mistake: str = ""
     kind: str = ""  # of the mismatch, or the type of another error
     case: Case | None = None  # the counterexample's
-    notes: tuple[str, ...] = ()  # the warnings of the implementation
     crashed: bool = False  # whether the implementation raised
 
 
@@ -128,14 +127,14 @@ def property_of(
     operation: Operation,
     name: str,
     statement: str,
-    findings: Callable[[Operation, Callable, Case], Findings],
+    pairs: Callable[[Operation, Callable, Case], Pairs],
     classes: Mapping[str, tuple] = UPSTREAM,
     **others: object,
 ) -> Property:
     """A property of an operation, tried with its sizes and further classes."""
     options = {"group": REST, "arguments": operation.arguments, "operation": operation.name}
     options |= {"sizes": {**operation.sizes, **classes}, "seeded_by": operation.seeded_by}
-    return Property(name, statement, Comparison(operation, findings), **{**options, **others})
+    return Property(name, statement, Comparison(operation, pairs), **{**options, **others})
 
 
 def require_equal(
@@ -270,7 +269,7 @@ def rounding(case: Case, arguments: Mapping[str, object]) -> float:
     return max(EXACT * largest, 8 * np.finfo(float).eps / (1 - bound))
 
 
-def compared(operation: Operation, implementation: Callable, case: Case) -> Findings:
+def compared(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Compare all results with the definition's, and the arguments with their copies."""
     arguments = operation.arguments(case)
     given = copies(arguments)
@@ -278,11 +277,11 @@ def compared(operation: Operation, implementation: Callable, case: Case) -> Find
     allowed = rounding(case, arguments)
     for what, result in results(operation, implementation, given, copied(dy)).items():
         both = (operation.alike(arguments, one) for one in (result, right[what]))
-        yield Finding(what, *both, allowed, operation.floor_of(dy))
+        yield Pair(what, *both, allowed, operation.floor_of(dy))
     for name, after in zip(arguments, given, strict=True):
         yield unaltered(f"{name}, which must not be altered,", after, arguments[name])
 
 
-def unaltered(what: str, after, before) -> Finding:
+def unaltered(what: str, after, before) -> Pair:
     """The comparison of an array after a call with its copy."""
-    return Finding(what, 1 * after, 1 * before, 0, None, ALTERED)
+    return Pair(what, 1 * after, 1 * before, 0, None, ALTERED)

@@ -14,7 +14,13 @@ from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
 from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, THE_SAME, Case
 from numpy_cae.verify.operations.operation import Operation
-from numpy_cae.verify.operations.property import UPSTREAM, Finding, Findings, Property, copies
+from numpy_cae.verify.operations.property import (
+    UPSTREAM,
+    Pair,
+    Pairs,
+    Property,
+    copies,
+)
 
 FLOAT32 = float(np.finfo(np.float32).eps)
 FLOAT32_ULPS = 64
@@ -40,22 +46,22 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     if operation.reference or operation.definition:
         yield stated("value", VALUE, _value, {}, points=POINTS, group=comparing.VALUE)
     for name in operation.differentiated:
-        right = "the definition" if operation.reference else "central differences"
+        right = "the definition" if operation.has_right_gradients else "central differences"
         statement = f"the pullback's gradient for {name} is that of {right}"
-        findings = partial(_gradient, name)
+        pairs = partial(_gradient, name)
         classes = UPSTREAM | operation.without_ties
         options = {"points": POINTS, "group": comparing.GRADIENT}
-        yield stated(f"gradient for {name}", statement, findings, classes, **options)
+        yield stated(f"gradient for {name}", statement, pairs, classes, **options)
     if operation.seeded_by and not operation.reference:
         yield stated("ties", TIES, partial(_gradient, TOGETHER), UPSTREAM | TIED)
     for name in operation.linear_in:
         statement = f"<A {name}, dy> = <{name}, A' dy> to rounding, A' being the pullback"
-        findings = partial(_adjoint, name)
-        yield stated(f"adjoint in {name}", statement, findings, UPSTREAM | ALIKE_IN_SIZE)
+        pairs = partial(_adjoint, name)
+        yield stated(f"adjoint in {name}", statement, pairs, UPSTREAM | ALIKE_IN_SIZE)
     few = {"dtype": {s: o[: o.index(DENSE) + 1] for s, o in operation.sizes.items() if DENSE in o}}
-    for name, statement, findings, classes, options in SHARED:
-        yield stated(name, statement, findings, classes | few.get(name, {}), **options)
-    if operation.reference:
+    for name, statement, pairs, classes, options in SHARED:
+        yield stated(name, statement, pairs, classes | few.get(name, {}), **options)
+    if operation.has_right_gradients:
         more = operation.longer
         longer = {size: (*given, *more.get(size, ())) for size, given in operation.sizes.items()}
         longer["upstream"] = (ORDINARY, "random", "integers", "sparse")
@@ -63,7 +69,7 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         yield stated(LARGEST, SPECIAL, comparing.compared, longer, **every)
 
 
-def _value(operation: Operation, implementation: Callable, case: Case) -> Findings:
+def _value(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Compare the value, then that of a call with all but one argument, or only one, replaced."""
     arguments = operation.arguments(case)
     value, _ = call_of_array(implementation, copies(arguments))
@@ -75,12 +81,10 @@ def _value(operation: Operation, implementation: Callable, case: Case) -> Findin
     others = {**others, one: arguments[one]} if keeps_one else {**arguments, one: others[one]}
     value, _ = implementation(*copies(others))
     what = f"of {'the same' if keeps_one else 'another'} {one} after a first call, the value"
-    yield Finding(what, value, operation.value(*copies(others)))
+    yield Pair(what, value, operation.value(*copies(others)))
 
 
-def _gradient(
-    argument: str, operation: Operation, implementation: Callable, case: Case
-) -> Findings:
+def _gradient(argument: str, operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Compare with the definition's gradient, or with differences if the value is wrong."""
     arguments = operation.arguments(case)
     names = operation.differentiated
@@ -89,11 +93,12 @@ def _gradient(
     right = {}
     if operation.reference:
         dy, right = comparing.right_results(operation, case, arguments)
-    if right and comparing.agrees(value, right["the value"]):
+    has_right_value = right and comparing.agrees(value, right["the value"])
+    if has_right_value and not operation.by_differences:
         gradient = comparing.differentiated(operation, pullback(comparing.copied(dy)))[argument]
         both = (operation.alike(arguments, one) for one in (gradient, right[what]))
-        yield Finding(what, *both, comparing.rounding(case, arguments), operation.floor_of(dy))
-    elif not operation.reference or case.get("values") == case.get("state") == ORDINARY:
+        yield Pair(what, *both, comparing.rounding(case, arguments), operation.floor_of(dy))
+    elif not operation.has_right_gradients or case.get("values") == case.get("state") == ORDINARY:
 
         def f(*inputs):
             named = arguments | dict(zip(names, inputs, strict=True))
@@ -103,12 +108,16 @@ def _gradient(
         inputs = [arguments[name] for name in names]
         options = {"upstream": partial(comparing.drawn_upstream, case), "kinks_excused": 1.0}
         problems = wrong_gradients(f, inputs, names, case.rng(), only=(argument,), **options)
-        implementation(*copies(arguments))  # the call that a report shows
+        _, pullback = implementation(*copies(arguments))  # the call that a report shows
+        if problems and has_right_value:
+            pulled = comparing.differentiated(operation, pullback(comparing.copied(dy)))
+            problems[0].result = pulled[argument]
+            problems[0].expected = right[what]
         if problems:
             raise problems[0]
 
 
-def _adjoint(argument: str, operation: Operation, implementation: Callable, case: Case) -> Findings:
+def _adjoint(argument: str, operation: Operation, implementation: Callable, case: Case) -> Pairs:
     arguments = operation.arguments(case)
     if "b" in arguments:
         arguments["b"] = np.zeros_like(arguments["b"])
@@ -118,7 +127,7 @@ def _adjoint(argument: str, operation: Operation, implementation: Callable, case
     every = comparing.results(operation, implementation, copies(arguments), dy)
     pulled = every[f"the gradient for {argument}"]
     check_adjoint(lambda x: (every["the value"] - at_zero, lambda dy: pulled), x, dy)
-    yield Finding("A' dy", pulled, pulled)
+    yield Pair("A' dy", pulled, pulled)
 
 
 class _Called:
@@ -142,7 +151,7 @@ class _Called:
         return {name: np.copy(gradient) for name, gradient in self.gradients(dy).items()}
 
 
-def _linearity(operation: Operation, implementation: Callable, case: Case) -> Findings:
+def _linearity(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Give three upstream gradients in the same array, after the value was deleted."""
     called = _Called(operation, implementation, case, copies(operation.arguments(case)))
     del called.value
@@ -161,10 +170,10 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Fi
         yield _again(f"of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
 
 
-def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findings:
+def _dtype(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Compare float32 with float64; arguments changed by rounding give the error allowed."""
     is_broadcast = case.get("layout") == "broadcast"  # equal entries cancel in general functions
-    if case.get("state") == "huge" or (is_broadcast and not operation.reference):
+    if case.get("state") == "huge" or (is_broadcast and not operation.has_right_gradients):
         return  # rounding may turn a gate, and then all frames that follow
     layout = _layout(operation, case)
     arguments = operation.arguments(case)
@@ -185,7 +194,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Findin
             ulps = OWN_ULPS if operation.seeded_by else FLOAT32_ULPS
             allowed = ulps * (FLOAT32 * max(floor, _largest(expected)) + by)
             off = operation.alike(arguments, np.float64(result)) - expected
-            yield Finding(f"of float32, the error of {what}", off, np.zeros_like(off), allowed)
+            yield Pair(f"of float32, the error of {what}", off, np.zeros_like(off), allowed)
 
 
 def _in_float64(
@@ -233,13 +242,13 @@ def _require_dtype(what: str, result, dtype: type) -> None:
         raise Mismatch(DTYPE, what, f"given {np.dtype(dtype)}, {what} is {actual}")
 
 
-def _purity(operation: Operation, implementation: Callable, case: Case) -> Findings:
+def _purity(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     layout = _layout(operation, case)
     arguments = operation.arguments(case)
     given = copies(arguments, layout)
     before = copies(dict(zip(arguments, given, strict=True)))
 
-    def arguments_after(call: str) -> Findings:
+    def arguments_after(call: str) -> Pairs:
         for name, after, was in zip(arguments, given, before, strict=True):
             yield comparing.unaltered(f"{name}, which the {call} must not alter,", after, was)
 
@@ -254,7 +263,7 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Findi
         yield from arguments_after("pullback")
 
 
-def _independence(operation: Operation, implementation: Callable, case: Case) -> Findings:
+def _independence(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Alternate between two calls, overwrite results, then change the arguments in place.
 
     In some cases the results of the first call are kept over eight calls.
@@ -289,7 +298,7 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
             yield _with_one_other_entry(operation, implementation, case, given)
 
 
-def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> Findings:
+def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> Pairs:
     """Compare gradients with their copies; then overwrite them, as a caller may."""
     for name, gradient in gradients.items():
         what = f"{comparing.OVERWRITTEN}the gradient for {name} that was returned first"
@@ -308,7 +317,7 @@ def _filled(given: object, new: object) -> object:
 
 def _with_one_other_entry(
     operation: Operation, implementation: Callable, case: Case, given: list
-) -> Finding:
+) -> Pair:
     """Change one entry in place between two calls, to what it is in the case itself."""
     arguments = operation.arguments(case)
     names = operation.differentiated
@@ -323,7 +332,7 @@ def _with_one_other_entry(
     return _again(f"of the same arrays with one other entry of {name}, the value", value, expected)
 
 
-def _strides(operation: Operation, implementation: Callable, case: Case) -> Findings:
+def _strides(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     arguments = operation.arguments(case)
     layout = _layout(operation, case)
     given = copies(arguments, layout)
@@ -340,13 +349,13 @@ def _strides(operation: Operation, implementation: Callable, case: Case) -> Find
         yield _again(f"of arrays {case.get('layout')}, {what}", *both)
 
 
-def _again(what: str, result, expected) -> Finding:
+def _again(what: str, result, expected) -> Pair:
     """A comparison with an earlier result; entries that were not finite are left out."""
     result = np.asarray(result)
     if result.shape != np.shape(expected):
-        return Finding(what, result, expected)
+        return Pair(what, result, expected)
     finite = np.isfinite(expected)
-    return Finding(what, np.where(finite, result, 0), np.where(finite, expected, 0))
+    return Pair(what, np.where(finite, result, 0), np.where(finite, expected, 0))
 
 
 LARGEST = "special inputs"
@@ -370,4 +379,4 @@ SHARED = (
     ("purity", PURE, _purity, UPSTREAM | LAYOUT, {}),
     ("independence", INDEPENDENT, _independence, UPSTREAM | LAYOUT, {}),
 )
-"""(name, statement, findings, classes, other fields of the property)."""
+"""(name, statement, pairs, classes, other fields of the property)."""

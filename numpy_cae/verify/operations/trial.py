@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from numpy_cae.verify.checks import written as writing
 from numpy_cae.verify.checks.call import is_pair
 from numpy_cae.verify.checks.mismatch import ALTERED, DTYPE, what_failed
-from numpy_cae.verify.checks.notes import conclude, file_of, noted
-from numpy_cae.verify.checks.written import LONGEST_TEXT, error_text, written
+from numpy_cae.verify.checks.written import LONGEST_TEXT, error_text, file_of, written
 from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
 from numpy_cae.verify.operations.catalogue import example_call
 from numpy_cae.verify.operations.diagnosis import likely_mistake
@@ -59,16 +58,15 @@ def try_property(
     The counterexample is the smallest case that fails, or without `shrink` the first one. `begin`
     is called with each case before it is tried.
     """
-    notes: list[str] = []
-    case = failing_case(tried, implementation, notes, begin)
+    case = failing_case(tried, implementation, begin)
     if case is None:
-        return Outcome(tried, held=True, notes=tuple(notes))
+        return Outcome(tried, held=True)
     last = Recorder(implementation)
     error = failure(tried, last, case)
     if error is not None and shrink and not isinstance(error, NotImplementedError):
         case = _smallest(tried, implementation, case, what_failed(error))
         error = failure(tried, last, case)
-    failed = Outcome(tried, False, UNSTEADY, str(case), case=case, notes=tuple(notes))
+    failed = Outcome(tried, False, UNSTEADY, str(case), case=case)
     if error is None:
         return failed
     kind, subject = what_failed(error)
@@ -116,13 +114,12 @@ def _simpler(case: Case, sizes: Sizes) -> Iterator[Case]:
 def failing_case(
     tried: Property,
     implementation: Callable,
-    notes: list[str] | None = None,
     begin: Callable[[Case], None] = lambda case: None,
 ) -> Case | None:
-    """The first case in which a property does not hold, or None; its warnings become notes."""
+    """The first case in which a property does not hold, or None."""
     for case in tried.cases():
         begin(case)
-        if failure(tried, implementation, case, notes) is not None:
+        if failure(tried, implementation, case) is not None:
             return case
     return None
 
@@ -144,11 +141,6 @@ def check_property(stated: Property, function: Callable, crashes: set[str] | Non
     AssertionError
         With the statement, what is wrong, the smallest counterexample and the likely mistake.
 
-    Warns
-    -----
-    RuntimeWarning
-        If the property holds, but the implementation gives a warning, such as an overflow.
-
     Examples
     --------
     >>> import numpy as np
@@ -167,16 +159,14 @@ def check_property(stated: Property, function: Callable, crashes: set[str] | Non
         if outcome.problem in crashes:
             message = [f"as in an earlier test, {outcome.problem}"]
         crashes.add(outcome.problem)
-    conclude([] if outcome.held else [*filter(None, message)], outcome.notes)
+    if not outcome.held:
+        raise AssertionError("\n".join(filter(None, message)))
 
 
-def failure(
-    tried: Property, implementation: Callable, case: Case, notes: list[str] | None = None
-) -> Exception | None:
-    """The error that a check raises in a case, or None; warnings become notes."""
+def failure(tried: Property, implementation: Callable, case: Case) -> Exception | None:
+    """The error that a check raises in a case, or None."""
     try:
-        with noted([] if notes is None else notes, file_of(implementation)):
-            tried.check(implementation, case)
+        tried.check(implementation, case)
     except Exception as error:
         return error
     except SystemExit:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
-from numpy_cae.verify.checks.notes import noted
 from numpy_cae.verify.checks.written import error_text
 from numpy_cae.verify.grading.report import reply_of, tested
 from numpy_cae.verify.grading.sandbox import confinement
@@ -179,16 +178,14 @@ def _written(folder: Path) -> int:
 
 
 def _confined(work: Callable[[], dict], request: dict) -> dict:
-    """Do work with limits; a warning becomes a note, an exception the reason of a failure."""
+    """Do work with limits; an exception becomes the reason of a failure."""
     kept = confinement.confine(request["cpu_seconds"], request["megabytes"], Path.cwd())
-    notes: list[str] = []
-    with noted(notes):
-        try:
-            result = work()
-        except BaseException as error:  # such as KeyboardInterrupt
-            result = {"failed": error_text(error)}
+    try:
+        result = work()
+    except BaseException as error:  # such as KeyboardInterrupt
+        result = {"failed": error_text(error)}
     del kept
-    return {**result, "notes": [*notes, *result.get("notes", ())]}
+    return result
 
 
 if __name__ == "__main__":
