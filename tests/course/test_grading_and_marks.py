@@ -56,10 +56,10 @@ def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path, forked
 
 @pytest.mark.parametrize(("tanh", "earned"), DATA["tanh and its points"])
 def test_a_right_value_has_its_points_and_earlier_exercises_do_not_matter(
-    tanh, earned, tmp_path, monkeypatch, forked_grading
+    tanh, earned, tmp_path, forked_grading
 ):
-    monkeypatch.setattr("numpy_cae.verify.grading.student_file.EXERCISE_SECONDS", 3.0)
-    graded = grade(hand_in(tmp_path / "lesson.ipynb", tanh, ENCODE), catalogue, lesson="05")
+    path = hand_in(tmp_path / "lesson.ipynb", tanh, ENCODE)
+    graded = grade(path, catalogue, lesson="05", seconds=3.0)
     points = {report.operation: report.points for report in graded.reports}
     assert points["tanh"] == earned and points["encode_layer"] == 20, str(graded)
 

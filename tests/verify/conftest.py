@@ -5,13 +5,12 @@ from numpy_cae.verify.grading import student_file
 
 
 @pytest.fixture
-def graded(tmp_path, monkeypatch, forked_grading):
+def graded(tmp_path, forked_grading):
     """Grades a file of this content."""
 
     def grade(content, name="student.py", cpu_seconds=5.0, **options):
         path = tmp_path / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        monkeypatch.setattr(student_file, "EXERCISE_SECONDS", cpu_seconds)
-        return student_file.grade(path, catalogue, **options)
+        return student_file.grade(path, catalogue, seconds=cpu_seconds, **options)
 
     return grade

@@ -52,9 +52,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
     add("--as", **named, metavar="OPERATION=FUNCTION", help="test a function of another name")
     add("--lesson", default="", metavar="NN", help="lesson of the exercises (default: the file's)")
-    for name, unit, most in (("time", "SECONDS", 120.0), ("memory", "MB", 2048.0)):
+    for name, unit, most in (("time", "SECONDS", 30.0), ("memory", "MB", 2048.0)):
         limit = {"type": arguments.positive, "default": most, "metavar": unit}
-        add(f"--{name}-limit", **limit, help=f"{name} for one file at most (default: {most:g})")
+        add(f"--{name}-limit", **limit, help=f"{name} for one function at most (default: {most:g})")
     add("--csv", **file, help="table of marks to write, a row for each student, with statistics")
     add("--roster", **file, help="table of the students, from Moodle or Canvas (with --csv)")
     add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")

@@ -36,20 +36,16 @@ def frame_rate(case: Case, rng: np.random.Generator, made: dict) -> float:
     return (30.0, 120.0)[case.seed % 2]
 
 
-def random_rotations(case: Case, rng: np.random.Generator, *counts: int) -> np.ndarray:
-    """Rotation matrices, (*counts, 3, 3), by quarter turns about the axes or by any angle."""
+def rotations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """A rotation of each joint in each frame, by quarter turns about the axes or by any angle."""
     from scipy.spatial.transform import Rotation
 
+    counts = (case["frames"], case["joints"])
     count = int(np.prod(counts))
     if case["turns"] == QUARTER:
         every = Rotation.create_group("O").as_matrix().round() + 0.0
         return every[rng.integers(len(every), size=count)].reshape(*counts, 3, 3)
     return Rotation.from_rotvec(spread(rng, (count, 3))).as_matrix().reshape(*counts, 3, 3)
-
-
-def rotations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
-    """A rotation of each joint in each frame."""
-    return random_rotations(case, rng, case["frames"], case["joints"])
 
 
 def translations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
@@ -65,13 +61,6 @@ def _chain_as_array(function, case, parents, joint):
     require_same(function(parents, joint), chain, ("the chain",))
 
 
-@checks("rotation_from_channels", "rotation")
-def _is_rotation(function, case, axes, angles):
-    matrix = np.asarray(function(axes, angles))
-    require_equal("the matrix times its transpose", matrix @ matrix.T, np.eye(3))
-    require_equal("its determinant", np.linalg.det(matrix), 1.0)
-
-
 @checks("forward_kinematics", "rest pose")
 def _rest_pose(function, case, parents, rotations, translations):
     positions = function(parents, np.broadcast_to(np.eye(3), rotations.shape), translations)
@@ -79,11 +68,3 @@ def _rest_pose(function, case, parents, rotations, translations):
         expected = translations[:, list(chain_to_root(parents, joint))].sum(axis=1)
         what = f"without rotations, the position of joint {joint}"
         require_equal(what, positions[:, joint], expected)
-
-
-@checks("forward_kinematics", "own rotation")
-def _own_rotation(function, case, parents, rotations, translations):
-    before = function(parents, rotations, translations)
-    rotations[:, -1] = rotations[:, -1] @ random_rotations(case, case.rng(), 1)
-    after = function(parents, rotations, translations)
-    require_equal("with its last joint rotated, a position", after, before)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from numpy_cae.course.exercises.checks import checks
-from numpy_cae.course.solutions.lesson_02 import from_features, to_features, turn_about_y
+from numpy_cae.course.solutions.lesson_02 import from_features, to_features
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import require_equal
 
@@ -48,15 +48,6 @@ def _changes_of_heading(function, case, across):
     changes = np.diff(np.asarray(function(across)))
     expected = np.diff(headings(case, case.rng(), {}))
     require_equal("the change from frame to frame", changes, expected)
-
-
-@checks("to_features", "elsewhere")
-def _elsewhere(function, case, positions, theta):
-    angle = 0.5 + case.seed % 5
-    moved = turn_about_y(positions, np.full(len(theta), angle)) + [3.0, 0.0, -2.0]
-    expected = function(positions, theta)
-    what = "of the moved and rotated motion, a feature"
-    require_equal(what, function(moved, theta + angle), expected)
 
 
 @checks("from_features", "first frame")

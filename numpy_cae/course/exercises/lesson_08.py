@@ -61,12 +61,6 @@ def ranking_arguments(case: Case) -> dict[str, object]:
     return {"distances": distances, "alike": rng.permutation(alike)}
 
 
-@checks("rescale", "nothing lost")
-def _nothing_lost(function, case, x):
-    full = spread(case.rng(), x.shape)
-    require_same(function(full), full)
-
-
 @checks("complete", "known")
 def _known_values_stay(function, case, x, known, **others):
     require_same(function(x, known, *others.values())[known], x[known], ("a known value",))

@@ -12,10 +12,8 @@ from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import catalogue as operations
 from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
 
-TIME_LIMIT = 120.0
-"""TIME_LIMIT: a whole file has this time (s) by default."""
-EXERCISE_SECONDS = 30.0
-"""EXERCISE_SECONDS: one exercise has this processor time (s); it may be idle for as long again."""
+TIME_LIMIT = 30.0
+"""TIME_LIMIT: one function has this processor time (s) by default; it may be idle as long again."""
 MEMORY_LIMIT = 2048
 """MEMORY_LIMIT: each process has this memory (MB) by default."""
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
@@ -89,7 +87,7 @@ def grade(
     named : mapping of str to str, optional
         Functions that have other names than their operations, by operation.
     seconds : float
-        Limit of the time for the whole file, without the time that it waits for a processor.
+        Limit of the processor time of one function.
     megabytes : int
         Limit of the memory of one process (on Linux).
     lesson : str
@@ -124,8 +122,7 @@ def grade(
             catalogue = operations  # quicker to import
         file = {"path": str(path.resolve()), "catalogue": catalogue.__name__, "wanted": wanted}
         file |= {"given": sorted(given), "replaced": assigned if submission.is_notebook else ()}
-        limits = {"seconds": seconds, "cpu_seconds": EXERCISE_SECONDS, "megabytes": megabytes}
-        reply = run(file | limits)
+        reply = run({**file, "seconds": seconds, "megabytes": megabytes})
     return _graded(submission, exercises, wanted, {*assigned, *named}, reply)
 
 

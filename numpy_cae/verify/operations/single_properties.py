@@ -43,5 +43,12 @@ def _one_by_default(operation: Operation, loss: Callable, case: Case) -> Pairs:
         yield Pair(what, by_default.itemsize, of_one.itemsize, 0)
 
 
+def _empty_slot(operation: Operation, unpool_random: Callable, case: Case) -> Pairs:
+    y, first = operation.arguments(case).values()
+    x, _ = unpool_random(y, first)
+    yield Pair("the other frame", np.where(first, x[:, 1::2], x[:, 0::2]), np.zeros_like(y), 0)
+
+
 OWN_CHECKS = {"zero at the target": _zero_at_the_target, "upstream default": _one_by_default}
+OWN_CHECKS["empty slot"] = _empty_slot
 """OWN_CHECKS: what is compared for the properties of these names."""

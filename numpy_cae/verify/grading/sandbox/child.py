@@ -41,7 +41,7 @@ def reply_to(request: dict) -> dict:
 
 
 class Grading:
-    """The grading of one file, and how much of its time is used up."""
+    """The grading of one file."""
 
     def __init__(self, request: dict) -> None:
         self.request = request
@@ -49,34 +49,26 @@ class Grading:
         self.catalogue = import_module(request["catalogue"]).CATALOGUE
         self.given = {name: self.catalogue[name].solution for name in request["given"]}
         self.instead: dict[str, Callable] = {}  # solutions in place of functions that do not hold
-        self.used = 0.0  # seconds
 
     def reply(self) -> dict:
         """Test each function that the file defines, one after the other."""
         wanted = self.request["wanted"]
-        loaded = self.apart(self._names, 1)
+        loaded = self.apart(self._names)
         defined = loaded.get("defined", ())
-        left = sum(function in defined for function in wanted.values())
         results: dict[str, dict] = {}
         for name, function in wanted.items():
             is_right = False
             if function in defined:
-                results[name] = self._outcomes(name, left)
-                left -= 1
+                results[name] = self._outcomes(name)
                 failed = "failed" in results[name]
                 is_right = not failed and all(o["held"] for o in results[name]["outcomes"])
             if name in self.request["replaced"] and not is_right:
                 self.instead[function] = self.catalogue[name].solution
         return {"failed": "", "problems": [], **loaded, "results": results}
 
-    def apart(self, work: Callable[[], dict], left: int) -> dict:
-        """The result of work in a confined process; the time that is left is for so many."""
-        limit = (self.request["seconds"] - self.used) / left
-        seconds = min(2 * self.request["cpu_seconds"], limit)
-        if seconds <= 0:
-            return {"failed": "the time limit for the whole file is used up"}
-        result = do_apart(partial(_confined, work, self.request), seconds)
-        self.used += result.pop("seconds", 0.0)
+    def apart(self, work: Callable[[], dict]) -> dict:
+        """The result of work in a confined process, which may be idle as long as it may work."""
+        result = do_apart(partial(_confined, work, self.request), 2 * self.request["seconds"])
         confinement.end_children()  # such as a process that left the group which do_apart kills
         return result
 
@@ -89,10 +81,10 @@ class Grading:
         functions, _ = self.submission.run(self.given, self.instead)
         return functions[self.request["wanted"][name]]
 
-    def _outcomes(self, name: str, left: int) -> dict:
+    def _outcomes(self, name: str) -> dict:
         """The outcomes of one function; if its process is ended, those until then."""
         until_then = Path(secrets.token_hex(16)).absolute()
-        result = self.apart(partial(self._tested, name, until_then), left)
+        result = self.apart(partial(self._tested, name, until_then))
         with suppress(OSError, ValueError):
             if result.get("failed"):
                 result = {**json.loads(until_then.read_text()), **result}
@@ -112,9 +104,9 @@ class Grading:
 def do_apart(work: Callable[[], dict], seconds: float) -> dict:
     """The result of `work`, done by a forked process; without fork (Windows), by this one.
 
-    The result goes through a file in the current folder, so it must be what JSON can hold. It gets
-    `seconds`, the time that the process took. If the process ends without a result, does not end
-    within so many seconds or fills the folder, this is {"failed": why}.
+    The result goes through a file in the current folder, so it must be what JSON can hold. If the
+    process ends without a result, does not end within so many seconds or fills the folder, this is
+    {"failed": why}.
 
     Time in which the process waits for a processor does not count, so that the result does not
     depend on what else the machine does.
@@ -130,18 +122,17 @@ def do_apart(work: Callable[[], dict], seconds: float) -> dict:
             reply.write_text(json.dumps(work()))
         finally:
             os._exit(0)
-    taken, fault = _wait(process, seconds, reply.parent)
+    fault = _wait(process, seconds, reply.parent)
     with suppress(OSError):
         os.killpg(process, signal.SIGKILL)
     try:
-        result = {"failed": fault} if fault else json.loads(reply.read_text())
+        return {"failed": fault} if fault else json.loads(reply.read_text())
     except (OSError, ValueError):
-        result = {"failed": CRASHED}
-    return {**result, "seconds": taken}
+        return {"failed": CRASHED}
 
 
-def _wait(process: int, seconds: float, folder: Path) -> tuple[float, str]:
-    """Wait for a process, or end it: the seconds it took, and what is wrong, or ""."""
+def _wait(process: int, seconds: float, folder: Path) -> str:
+    """Wait for a process, or end it; what is wrong, or ""."""
     begun = time.monotonic()
     while True:
         time.sleep(0.005)
@@ -149,14 +140,14 @@ def _wait(process: int, seconds: float, folder: Path) -> tuple[float, str]:
         ended, status = os.waitpid(process, os.WNOHANG)
         if ended:
             out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
-            return taken, "it used up its CPU time: an endless loop?" * out_of_time
+            return "it used up its CPU time: an endless loop?" * out_of_time
         fault = f"it did not finish within {seconds:.3g} s: an endless loop?" * (taken > seconds)
         if _written(folder) > MOST_WRITTEN:
             fault = f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
         if fault:
             os.kill(process, signal.SIGKILL)
             os.waitpid(process, 0)
-            return taken, fault
+            return fault
 
 
 def _waited(process: int) -> float:
@@ -179,7 +170,7 @@ def _written(folder: Path) -> int:
 
 def _confined(work: Callable[[], dict], request: dict) -> dict:
     """Do work with limits; an exception becomes the reason of a failure."""
-    kept = confinement.confine(request["cpu_seconds"], request["megabytes"], Path.cwd())
+    kept = confinement.confine(request["seconds"], request["megabytes"], Path.cwd())
     try:
         result = work()
     except BaseException as error:  # such as KeyboardInterrupt

@@ -12,7 +12,7 @@ from pathlib import Path
 STARTUP_SECONDS = 30.0
 """STARTUP_SECONDS: the grader's process may take this time (s) to import its modules."""
 BUSY = 10
-"""BUSY: the grader itself is ended after so many times the limit of the file.
+"""BUSY: the grader itself is ended after so many times the limits of all functions.
 
 The limits that decide on marks do not count the time in which a process waits for a processor. This
 one is for a grader that a student's file has stopped.
@@ -30,7 +30,8 @@ def run(request: dict) -> dict:
     """The reply of `child.main` to a request, or {"failed": why}."""
     environment = {name: os.environ[name] for name in KEPT if name in os.environ} | ONE_THREAD
     environment["PYTHONPATH"] = os.pathsep.join([PROJECT, os.environ.get("PYTHONPATH", "")])
-    timeout = BUSY * (request["seconds"] + STARTUP_SECONDS)
+    processes = len(request["wanted"]) + 1
+    timeout = BUSY * (2 * request["seconds"] * processes + STARTUP_SECONDS)
     with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as folder:
         environment["TMPDIR"] = folder
         inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
