@@ -6,7 +6,8 @@ from html import escape
 
 from numpy_cae.verify.grading.report import Report
 
-MOST_LINES, LONGEST_KEPT = 10, 4000
+MOST_LINES = 10
+LONGEST_KEPT = 4000
 """MOST_LINES: what a function prints is shown so far; it is tested with hundreds of arrays."""
 RIGHT, WRONG, OPEN = "#1b7a3d", "#b3261e", "#5f6368"
 TITLE = '<b style="background:{};color:white;border-radius:3px;padding:0 .4em">{}</b>'

@@ -203,7 +203,7 @@ def test_a_fourier_transform_that_wraps_around_is_found():
     [
         ({"x": "batch classes"}, {"sizes": {"taps": (1, 3)}}, "shapes has no taps, only x"),
         ({"x": "batch classes"}, {"skip": ["shape"]}, "list of properties has no shape, only grad"),
-        ({"x": "batch values"}, {}, "values cannot be the name of a size"),
+        ({"x": "batch values"}, {}, "x has the size 'values'; a size is a name"),
         ({"x": "batch 2/classes"}, {}, "x has the size '2/classes'; a size is a name"),
     ],
 )

@@ -34,7 +34,6 @@ something fails, 2 if there was nothing to grade.
 """
 
 import argparse
-import json
 import os
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -60,7 +59,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")
     add("--similar", **arguments.FLAG, help="list pairs that are alike, which proves nothing")
     add("--feedback", **arguments.FOLDER, help="write each student's reports to this folder")
-    add("--json", **arguments.FLAG, help="print JSON instead of text")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -99,9 +97,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
         made = pool.map(graded_file, files)
         graded = list(with_progress(made, len(files), "file"))
-    if args.json:
-        print(json.dumps([report.as_json() for report in graded], indent=1))
-    elif args.csv or args.feedback:
+    if args.csv or args.feedback:
         print("\n".join(marks.lines(graded)))
     else:
         print("\n\n".join(str(report) for report in graded))

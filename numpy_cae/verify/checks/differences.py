@@ -18,6 +18,7 @@ much as the number is off, it is undecided.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -223,8 +224,7 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Ve
     first = slopes[0].step
     informative = [slope for slope in slopes if slope.moved or slope.noise > 0]
     slopes = sorted(informative or slopes, key=lambda slope: slope.step)
-    neighbours = zip(slopes, [*slopes[1:], slopes[-2:][0]], strict=True)
-    errors = [_error(*both, first) for both in neighbours]
+    errors = [_error(one, other, first) for one, other in pairwise([*slopes, *slopes[-2:][:1]])]
     best = slopes[int(np.argmin(errors))]
     gap = abs(best.central - analytic)
     tolerated = tolerance * max(abs(best.central), abs(analytic))
@@ -241,8 +241,7 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Ve
         kind = WRONG
     elif power == 2 and RATE_MARGIN * hidden.remainder <= tolerated * hidden.step:
         kind = AGREES
-    proof = rates if power == 1 else ()
-    return Verdict(kind, best.central, analytic, clear.jump, proof), best
+    return Verdict(kind, best.central, analytic, clear.jump, rates if power == 1 else ()), best
 
 
 def _power(rates: tuple[float, ...]) -> int:

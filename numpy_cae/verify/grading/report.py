@@ -1,7 +1,7 @@
 """A report on one implementation: whether each property of its operation holds, with points.
 
-`reply_of` and `report_of` are for a process that tests one function: outcomes as JSON, and outcomes
-again.
+`reply_of` and `report_of` are for a process that tests one function: outcomes as plain texts, and
+outcomes again.
 """
 
 import textwrap
@@ -74,19 +74,6 @@ class Report:
 
     __repr__ = __str__
 
-    def as_json(self) -> dict:
-        """The report in plain dicts, lists and numbers."""
-        made = {name: getattr(self, name) for name in ("points", "possible", "held")}
-        properties = []
-        for outcome, points in zip(self.outcomes, self.earned(), strict=True):
-            stated = outcome.stated
-            named = {"name": stated.name, "statement": stated.statement}
-            named |= {"points": points, "possible": stated.points}
-            properties.append(named | as_json(outcome))
-        return {"operation": self.operation, "function": self.called, **made} | {
-            "properties": properties
-        }
-
     def _lines(self) -> Iterator[str]:
         title = self.called + ("" if self.called == self.operation else f" as {self.operation}")
         if self.held:
@@ -147,12 +134,6 @@ class Report:
 
 def _reason(outcome: Outcome) -> tuple[str, str]:
     return outcome.problem.splitlines()[0], outcome.mistake
-
-
-def as_json(outcome: Outcome) -> dict:
-    """Whether a property holds and why not, in plain texts."""
-    why = {"problem": outcome.problem, "counterexample": outcome.counterexample}
-    return {"held": outcome.held, **why, "likely_mistake": outcome.mistake, "kind": outcome.kind}
 
 
 def _listed(head: str, names: Sequence[str]) -> list[str]:
@@ -257,12 +238,12 @@ def readable(text: str) -> str:
     return visible(text[:LONGEST_TEXT])
 
 
-TEXTS = ("problem", "counterexample", "likely_mistake", "kind")
+TEXTS = ("problem", "counterexample", "mistake", "kind")
 
 
 def reply_of(outcomes: Sequence[Outcome]) -> dict:
     """The outcomes in plain dicts, lists and texts."""
-    return {"outcomes": list(map(as_json, outcomes))}
+    return {"outcomes": [{name: getattr(o, name) for name in ("held", *TEXTS)} for o in outcomes]}
 
 
 def report_of(exercise: Exercise, called: str, reply: dict) -> Report:

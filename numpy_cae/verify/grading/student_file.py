@@ -58,12 +58,6 @@ class FileReport:
         filled = [textwrap.fill(note, WIDTH) for note in notes]
         return "\n\n".join([name, *map(str, self.reports), *filled, f"{name}: {score}, {verdict}"])
 
-    def as_json(self) -> dict:
-        """The report in plain dicts, lists and numbers."""
-        made = {name: getattr(self, name) for name in ("points", "possible", "held", "faults")}
-        operations = [report.as_json() for report in self.reports]
-        return {"file": str(self.path), **made, "notes": self.notes, "operations": operations}
-
 
 def grade(
     path: Path,

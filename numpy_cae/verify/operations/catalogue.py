@@ -151,10 +151,9 @@ def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int 
     if not needed <= set(sizes) <= set(allowed):
         text = f"{', '.join(allowed)}, got {', '.join(sizes)}"
         raise ValueError(f"{properties[0].operation} has the sizes {text}")
-    for name, size in sizes.items():
-        if isinstance(size, str) and size not in allowed[name]:
-            options = ", ".join(dict.fromkeys(map(str, allowed[name])))
-            raise ValueError(f"{name} is {size!r}, expected one of {options}")
+    unknown = [s for n, s in sizes.items() if isinstance(s, str) and s not in allowed[n]]
+    if unknown:
+        raise ValueError(f"{properties[0].operation} is not tried with {', '.join(unknown)}")
     return Case(tuple(sizes.items()), seed)
 
 

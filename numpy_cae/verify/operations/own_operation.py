@@ -98,23 +98,23 @@ def properties_of(
     name = getattr(f, "__name__", "the operation")
     shapes = {x: re.sub(r"\s*([*+])\s*", r"\1", text) for x, text in shapes.items()}
     _require_sizes(name, shapes)
-    known = [*shapes, *names_in(shapes), *drawing.leading_axes(shapes)]
-    named = {*(sizes or ()), *(values or ()), *(differentiable or ())}
-    _require_known(name, "shapes", named, known)
+    used = {*(sizes or ()), *(values or ()), *(differentiable or ())}
+    _require_known(
+        name, "shapes", used, [*shapes, *names_in(shapes), *drawing.leading_axes(shapes)]
+    )
     values = {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
-    is_single = tuple(dtypes) == ("float32",)
-    arguments = drawing.arguments_of(shapes, values, np.float32 if is_single else np.float64)
+    dtype = np.float32 if tuple(dtypes) == ("float32",) else np.float64
+    arguments = drawing.arguments_of(shapes, values, dtype)
     every = drawing.with_each_array({**_drawn_sizes(shapes), **CLASSES, **(sizes or {})}, arguments)
     example = arguments(drawing.simplest_case(every))
     if differentiable is None:
         differentiable = [name for name, array in example.items() if array.dtype.kind == "f"]
+    has_pullback = definition is not None and is_pair(definition(*example.values()))
     options = {"without_ties": SMOOTH, "saturates": True, "seeded_by": f"seed {seed}"}
     options["drawn_by_caller"] = tuple(x for x in values if callable(values[x]))
-    options["is_single"] = is_single
+    options["is_single"] = dtype is np.float32
+    options["reference" if has_pullback else "definition"] = definition
     operation = Operation(name, every, arguments, tuple(differentiable), **options)
-    if definition is not None:
-        which = "reference" if is_pair(definition(*example.values())) else "definition"
-        operation = replace(operation, **{which: definition})
     stated = tuple(shared_properties(operation))
     marks = marks or {}
     _require_known(name, "the list of properties", {*skip, *marks}, [each.name for each in stated])
@@ -132,13 +132,11 @@ def _require_known(name: str, where: str, used: set[str], known: Sequence[str]) 
 
 def _require_sizes(name: str, shapes: Mapping[str, str]) -> None:
     """Raise a ValueError where a size is no name, number, product or sum, or its name is in use."""
-    for argument, size in ((a, size) for a, text in shapes.items() for size in text.split()):
-        if size != "..." and not SIZE.fullmatch(size):
-            rule = "a size is a name, a number, a product, a sum, or ..."
-            raise ValueError(f"{name}: {argument} has the size {size!r}; {rule}")
-    used = ", ".join(sorted({*names_in(shapes)} & {*IN_USE}))
-    if used:
-        raise ValueError(f"{name}: {used} cannot be the name of a size: it has another use")
+    rule = f"a size is a name other than {', '.join(IN_USE)}, a number, a product, a sum, or ..."
+    for argument, text in shapes.items():
+        for size in text.split():
+            if size != "..." and (not SIZE.fullmatch(size) or size in IN_USE):
+                raise ValueError(f"{name}: {argument} has the size {size!r}; {rule}")
 
 
 def _drawn_sizes(shapes: Mapping[str, str]) -> dict[str, tuple]:
