@@ -300,7 +300,7 @@ def _judge_together(at: Argument) -> Iterator[Mismatch]:
 
     Along such a direction equal entries stay equal, so that a maximum of them has no kink.
     """
-    for frequency in EQUAL_ENTRIES:
+    for frequency in EQUAL_ENTRIES if np.any(at.x) else ():
         verdict = at.judge(at.x * (2 + np.sin(frequency * np.abs(at.x))) / 8)
         if verdict.kind == WRONG:
             first = "where equal entries move by equal amounts, the gradients do not give the slope"
@@ -332,7 +332,8 @@ def _require_same(problem: str, first: Sequence, second: Sequence, size: float =
     """
     one = flat(first)
     other = flat(second)
-    allowed = np.finfo(one.dtype).eps * (1000 * np.max(np.abs(one), initial=0.0) + 16 * size)
+    largest = np.max(np.abs(one), initial=0.0, where=np.isfinite(one))
+    allowed = np.finfo(one.dtype).eps * (1000 * largest + 16 * size)
     if one.shape != other.shape or not np.allclose(one, other, 0, allowed, equal_nan=True):
         raise Mismatch(mismatch.REPEATED, problem, problem)
 
