@@ -5,7 +5,6 @@ outcomes again.
 """
 
 import textwrap
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,9 +20,7 @@ from numpy_cae.visible import visible
 
 WIDTH = 98
 INDENT = 10
-GROUPS = ("value", "gradients", "the rest")
-"""What a property is about, by its `group`."""
-IN_ORDER = " (each counts once those before it are right)"
+IN_ORDER = "a gradient counts once the value is right, other properties once gradients are, too"
 UNSOLVED = NotImplementedError.__name__
 """UNSOLVED: the kind of an outcome where the function is still the stub of a lesson."""
 ROUNDING = 1e-6
@@ -92,7 +89,7 @@ class Report:
             yield from _wrapped("  hint: ", self.exercise.hint, 8)
 
     def _failures(self) -> Iterator[str]:
-        """The first failing property in full, the others in short, and what earned the points."""
+        """The first failing property in full, the others in short, and which hold."""
         first, *others = self.failing()
         yield from _wrapped(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
         yield from _why(first)
@@ -107,7 +104,9 @@ class Report:
         untried = [o.stated.name for o in self.outcomes if not o.held and not o.problem]
         yield from _listed("  not tried: ", untried)
         yield from _listed("  hold: ", [o.stated.name for o in self.outcomes if o.held])
-        yield from _wrapped("  points: ", self._shares(), INDENT)
+        both = zip(self.outcomes, self.earned(), strict=True)
+        if any(outcome.held and not points for outcome, points in both):
+            yield from _wrapped("  points: ", IN_ORDER, INDENT)
 
     def failing(self) -> list[Outcome]:
         """The properties that were tried and do not hold, the one about everything last.
@@ -120,16 +119,6 @@ class Report:
 
         failing = [outcome for outcome in self.outcomes if outcome.problem and not outcome.held]
         return sorted(failing, key=place)
-
-    def _shares(self) -> str:
-        """The points of each group of properties."""
-        possible: Counter = Counter()
-        earned: Counter = Counter()
-        for outcome, points in zip(self.outcomes, self.earned(), strict=True):
-            possible[outcome.stated.group] += outcome.stated.points
-            earned[outcome.stated.group] += points
-        texts = [f"{GROUPS[n]} {earned[n]:.3g} of {possible[n]:.3g}" for n in sorted(possible)]
-        return ", ".join(texts) + IN_ORDER * (len(texts) > 1)
 
 
 def _reason(outcome: Outcome) -> tuple[str, str]:
@@ -158,11 +147,7 @@ def _wrapped(head: str, text: str, indent: int) -> list[str]:
     return textwrap.wrap(text, WIDTH, break_on_hyphens=False, **options)
 
 
-def report(
-    operation: str | Exercise,
-    function: Callable,
-    called: str | None = None,
-) -> Report:
+def report(operation: str | Exercise, function: Callable, called: str | None = None) -> Report:
     """Test an implementation for every property of an operation.
 
     Parameters

@@ -17,9 +17,8 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
-from itertools import chain, combinations
 from pathlib import Path
 
 from numpy_cae import ops
@@ -136,21 +135,8 @@ def bug_named(name: str) -> Patch:
 
 @cache
 def conventions_of(operation: str) -> tuple[Patch, ...]:
-    """The documented conventions of an operation other than ours, those that differ least first.
-
-    Those of `gru_step` can be combined; those of `gru` are those of its step, repeated.
-    """
+    """The documented conventions other than ours; those of `gru` are those of its step."""
     if operation == "gru":
         steps = conventions_of("gru_step")
         return tuple(Patch(s.name, "gru", "", s.sentence, (), calls=(s,)) for s in steps)
-    single = tuple(patch for patch in CONVENTIONS if patch.operation == operation)
-    together = len(single) if operation == "gru_step" else 1
-    chosen = (combinations(single, count) for count in range(1, together + 1))
-    return tuple(map(_combined, chain.from_iterable(chosen)))
-
-
-def _combined(patches: tuple[Patch, ...]) -> Patch:
-    name = "_and_".join(patch.name for patch in patches)
-    sentence = "; ".join(patch.sentence for patch in patches)
-    replacements = tuple(replacement for patch in patches for replacement in patch.replacements)
-    return replace(patches[0], name=name, sentence=sentence, replacements=replacements)
+    return tuple(patch for patch in CONVENTIONS if patch.operation == operation)

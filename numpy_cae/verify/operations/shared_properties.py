@@ -14,13 +14,7 @@ from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
 from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, THE_SAME, Case
 from numpy_cae.verify.operations.operation import Operation
-from numpy_cae.verify.operations.property import (
-    UPSTREAM,
-    Pair,
-    Pairs,
-    Property,
-    copies,
-)
+from numpy_cae.verify.operations.property import UPSTREAM, Pair, Pairs, Property, copies
 
 FLOAT32 = float(np.finfo(np.float32).eps)
 FLOAT32_ULPS = 64

@@ -112,9 +112,7 @@ def _simpler(case: Case, sizes: Sizes) -> Iterator[Case]:
 
 
 def failing_case(
-    tried: Property,
-    implementation: Callable,
-    begin: Callable[[Case], None] = lambda case: None,
+    tried: Property, implementation: Callable, begin: Callable[[Case], None] = lambda case: None
 ) -> Case | None:
     """The first case in which a property does not hold, or None."""
     for case in tried.cases():
