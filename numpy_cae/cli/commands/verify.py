@@ -38,7 +38,6 @@ import os
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 from numpy_cae.cli.shared import arguments
 
@@ -48,15 +47,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     file = dict(arguments.FILE)
     add("files", **file, nargs="+", help="Python files, notebooks of lessons, folders or zip files")
-    named: dict[str, Any] = {"dest": "named", "type": _named, "action": "append", "default": []}
-    add("--as", **named, metavar="OPERATION=FUNCTION", help="test a function of another name")
     add("--lesson", default="", metavar="NN", help="lesson of the exercises (default: the file's)")
     for name, unit, most in (("time", "SECONDS", 30.0), ("memory", "MB", 2048.0)):
         limit = {"type": arguments.positive, "default": most, "metavar": unit}
         add(f"--{name}-limit", **limit, help=f"{name} for one function at most (default: {most:g})")
     add("--csv", **file, help="table of marks to write, a row for each student, with statistics")
     add("--roster", **file, help="table of the students, from Moodle or Canvas (with --csv)")
-    add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")
     add("--similar", **arguments.FLAG, help="list pairs that are alike, which proves nothing")
     add("--feedback", **arguments.FOLDER, help="write each student's reports to this folder")
 
@@ -73,8 +69,8 @@ def run(args: argparse.Namespace) -> int:
             missing = [path for path in args.files if not path.exists()]
             problem = "there is no such file" if missing else "no Python file and no notebook"
             raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
-        if (args.roster or args.late) and not args.csv:
-            raise ValueError("--roster and --late are about the table of --csv FILE")
+        if args.roster and not args.csv:
+            raise ValueError("--roster is about the table of --csv FILE")
         return _graded(args, files)
 
 
@@ -85,14 +81,14 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     from numpy_cae.course.marks.class_marks import ClassMarks
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
-    marks = ClassMarks.read(files, args.roster, args.late)
+    marks = ClassMarks.read(files, args.roster)
     limits = (args.time_limit, int(args.memory_limit))
 
     def graded_file(file) -> FileReport:
         if file.fault:
             return FileReport(file.path, faults=[file.fault])
         lesson = args.lesson or file.lesson
-        return grade(file.path, catalogue, dict(args.named), *limits, lesson)
+        return grade(file.path, catalogue, *limits, lesson)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
         made = pool.map(graded_file, files)
@@ -108,10 +104,3 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     if args.csv:
         marks.write_tables(args.csv, graded)
     return 0 if all(report.held for report in graded) else 1
-
-
-def _named(text: str) -> tuple[str, str]:
-    operation, equals, function = text.partition("=")
-    if not (operation and equals and function):
-        raise argparse.ArgumentTypeError(f"expected OPERATION=FUNCTION, got {text!r}")
-    return operation, function

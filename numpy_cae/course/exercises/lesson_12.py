@@ -81,15 +81,13 @@ def _right_gap(function, case, f, x, y):
     require_equal("for f, whose pullback is another matrix's, the gap", gap, adjoint_gap(f, x, y))
 
 
-def _check_accused(number: int) -> None:
-    @checks("accuse", f"suspect {number}")
-    def check(function, case, seed):
-        if objection := SUSPECTS[number - 1].objection(function(number)):
-            raise AssertionError(objection)
+def _accused(number: int, function, case, seed) -> None:
+    if objection := SUSPECTS[number - 1].objection(function(number)):
+        raise AssertionError(objection)
 
 
-for place in range(len(SUSPECTS)):
-    _check_accused(place + 1)
+for number in range(1, len(SUSPECTS) + 1):
+    checks("accuse", f"suspect {number}")(partial(_accused, number))
 
 
 def _checked(operation: str, implementation: Callable, seed: int, scale: float = 1.0) -> Checked:
@@ -139,17 +137,15 @@ def _right_ones_pass(check_gradients, case, seed):
     _require_acceptance(check_gradients, sum(GROUPS.values(), ()), seed)
 
 
-def _check_group(group: str) -> None:
-    @checks("check_gradients", group)
-    def check(check_gradients, case, seed):
-        _require_acceptance(check_gradients, GROUPS[group], seed)
-        for bug in WITH_WRONG_GRADIENT:
-            if bug.operation in GROUPS[group]:
-                _require_refusal(check_gradients, bug, seed)
+def _tells_apart(operations: tuple[str, ...], check_gradients, case, seed) -> None:
+    _require_acceptance(check_gradients, operations, seed)
+    for bug in WITH_WRONG_GRADIENT:
+        if bug.operation in operations:
+            _require_refusal(check_gradients, bug, seed)
 
 
-for name in GROUPS:
-    _check_group(name)
+for name, operations in GROUPS.items():
+    checks("check_gradients", name)(partial(_tells_apart, operations))
 
 
 @checks("check_gradients", "tiny numbers")

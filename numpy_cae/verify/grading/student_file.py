@@ -10,7 +10,7 @@ from numpy_cae.verify.grading.report import UNSOLVED, WIDTH, Report, readable, r
 from numpy_cae.verify.grading.sandbox.process import run
 from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import catalogue as operations
-from numpy_cae.verify.operations.catalogue import Exercise, find_exercise
+from numpy_cae.verify.operations.catalogue import Exercise
 
 TIME_LIMIT = 30.0
 """TIME_LIMIT: one function has this processor time (s) by default; it may be idle as long again."""
@@ -18,10 +18,7 @@ MEMORY_LIMIT = 2048
 """MEMORY_LIMIT: each process has this memory (MB) by default."""
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 COPIED = "the cell of {} is there more than once: the last one counts"
-MISSING = (
-    f"no function has an operation's name ({', '.join(operations.CATALOGUE)}); "
-    "name one with --as conv1d=my_conv"
-)
+MISSING = f"no function has an operation's name: {', '.join(operations.CATALOGUE)}"
 
 
 @dataclass
@@ -62,7 +59,6 @@ class FileReport:
 def grade(
     path: Path,
     catalogue: ModuleType = operations,
-    named: Mapping[str, str] | None = None,
     seconds: float = TIME_LIMIT,
     megabytes: int = MEMORY_LIMIT,
     lesson: str = "",
@@ -78,8 +74,6 @@ def grade(
     catalogue : module
         With the `CATALOGUE` of what may be tested, and perhaps `ASSIGNMENTS`, the names of the
         exercises in each lesson. The processes import the module by its name.
-    named : mapping of str to str, optional
-        Functions that have other names than their operations, by operation.
     seconds : float
         Limit of the processor time of one function.
     megabytes : int
@@ -95,39 +89,36 @@ def grade(
     Raises
     ------
     ValueError
-        If there is no such operation or lesson.
+        If there is no such lesson.
     """
     exercises = catalogue.CATALOGUE
-    named = dict(named or {})
-    for operation in named:
-        find_exercise(operation, exercises)
     lessons = getattr(catalogue, "ASSIGNMENTS", {})
     if lesson and lesson not in lessons:
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
     submission = read_submission(path)
     assigned = lessons.get(lesson or submission.lesson(lessons), ())
     tested = assigned or (exercises if submission.is_notebook else operations.CATALOGUE)
-    wanted = {name: name for name in tested} | named
+    wanted = [*tested]
     reply = {"failed": submission.fault}
     if not submission.fault:
-        tested = assigned or submission.defined() & wanted.keys()
+        tested = assigned or submission.defined() & {*wanted}
         given = {other for name in tested for other in exercises[name].given} - set(assigned)
         if {*wanted, *given} <= operations.CATALOGUE.keys():
             catalogue = operations  # quicker to import
         file = {"path": str(path.resolve()), "catalogue": catalogue.__name__, "wanted": wanted}
         file |= {"given": sorted(given), "replaced": assigned if submission.is_notebook else ()}
         reply = run({**file, "seconds": seconds, "megabytes": megabytes})
-    return _graded(submission, exercises, wanted, {*assigned, *named}, reply)
+    return _graded(submission, exercises, wanted, assigned, reply)
 
 
 def _graded(
     submission: Submission,
     catalogue: Mapping[str, Exercise],
-    wanted: Mapping[str, str],
-    counted: Collection[str],
+    wanted: Collection[str],
+    assigned: Collection[str],
     reply: dict,
 ) -> FileReport:
-    """The report from the reply of `run`; `counted` are the exercises that count in any case."""
+    """The report from the reply of `run`; what is assigned counts in any case."""
     graded = FileReport(submission.path, copied=submission.copied)
     graded.notes += [COPIED.format(name) for name in submission.copied]
     results = reply.get("results", {})
@@ -135,13 +126,13 @@ def _graded(
     fault = reply["failed"] or (problems[0] if problems and not submission.is_notebook else "")
     defined = submission.defined() if fault else ()
     helpers: list[Report] = []
-    for name, function in wanted.items():
-        if not (name in results or name in counted or function in defined):
+    for name in wanted:
+        if not (name in results or name in assigned or name in defined):
             continue
-        result = results.get(name, {"failed": f"it has no function {function}"})
+        result = results.get(name, {"failed": f"it has no function {name}"})
         result = {"failed": fault} if fault else result
-        report = report_of(catalogue[name], function, result)
-        if name not in counted and _is_helper(report, submission):
+        report = report_of(catalogue[name], name, result)
+        if name not in assigned and _is_helper(report, submission):
             helpers.append(report)
         else:
             graded.reports.append(report)

@@ -52,18 +52,17 @@ class Grading:
 
     def reply(self) -> dict:
         """Test each function that the file defines, one after the other."""
-        wanted = self.request["wanted"]
         loaded = self.apart(self._names)
         defined = loaded.get("defined", ())
         results: dict[str, dict] = {}
-        for name, function in wanted.items():
+        for name in self.request["wanted"]:
             is_right = False
-            if function in defined:
+            if name in defined:
                 results[name] = self._outcomes(name)
                 failed = "failed" in results[name]
                 is_right = not failed and all(o["held"] for o in results[name]["outcomes"])
             if name in self.request["replaced"] and not is_right:
-                self.instead[function] = self.catalogue[name].solution
+                self.instead[name] = self.catalogue[name].solution
         return {"failed": "", "problems": [], **loaded, "results": results}
 
     def apart(self, work: Callable[[], dict]) -> dict:
@@ -74,12 +73,8 @@ class Grading:
 
     def _names(self) -> dict:
         functions, problems = self.submission.run(self.given, {})
-        wanted = self.request["wanted"].values()
-        return {"defined": [name for name in wanted if name in functions], "problems": problems}
-
-    def _function(self, name: str) -> Callable:
-        functions, _ = self.submission.run(self.given, self.instead)
-        return functions[self.request["wanted"][name]]
+        defined = [name for name in self.request["wanted"] if name in functions]
+        return {"defined": defined, "problems": problems}
 
     def _outcomes(self, name: str) -> dict:
         """The outcomes of one function; if its process is ended, those until then."""
@@ -98,7 +93,8 @@ class Grading:
             begun.write_text(json.dumps({**reply_of(outcomes), "trying": str(case)}))
             begun.replace(until_then)
 
-        return reply_of(tested(self.catalogue[name], self._function(name), begin))
+        functions, _ = self.submission.run(self.given, self.instead)
+        return reply_of(tested(self.catalogue[name], functions[name], begin))
 
 
 def do_apart(work: Callable[[], dict], seconds: float) -> dict:
