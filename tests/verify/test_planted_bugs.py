@@ -46,6 +46,7 @@ def test_mistakes_of_large_sizes_and_of_several_calls_are_caught(bug):
     assert not holds(CATALOGUE[bug.operation], bug.function())
 
 
+@pytest.mark.filterwarnings("ignore:divide by zero", "ignore:invalid value")
 @pytest.mark.parametrize(
     ("name", "change", "sentence"),
     [

@@ -50,7 +50,8 @@ def train_layer(windows, w, b, loss, epochs, batch, rate, decay, p, rng):
     """Section 6: epochs over all windows in a new order; corrupt, compare, descend."""
     weights, losses = [], []
     for epoch in range(epochs):
-        order, values = rng.permutation(len(windows)), []
+        order = rng.permutation(len(windows))
+        values = []
         for start in range(0, len(windows), batch):
             x = windows[order[start : start + batch]]
             corrupted = zero_values(x, p, rng.random(x.shape))

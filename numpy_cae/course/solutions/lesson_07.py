@@ -23,17 +23,20 @@ def stage_inputs(x, layers):
 
 def stack_loss(x, corrupted, layers, bound):
     """The mean squared error of the whole stack, and its gradients layer by layer."""
-    y, up_backs = corrupted, []
+    y = corrupted
+    up_backs = []
     for w, b in layers:
         y, back = encode_layer(y, w, b)
         up_backs.append(back)
-    x_hat, down_backs = y, []
+    x_hat = y
+    down_backs = []
     for w, b in reversed(layers):
         x_hat, back = decode_layer(x_hat, w, b, bound)
         down_backs.append(back)
     loss, loss_back = mean_squared_error(x_hat, x)
 
-    d, down = loss_back(), []
+    d = loss_back()
+    down = []
     for back in reversed(down_backs):
         d, dw, db = back(d)
         down.append((dw, db))  # the lowest layer was decoded last and comes first here
