@@ -21,7 +21,7 @@ from types import ModuleType
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.checks.written import error_text
+from numpy_cae.verify.checks.written import error_text, file_of
 from numpy_cae.verify.grading.submission import MAGIC
 from numpy_cae.verify.operations.trial import try_property
 
@@ -69,8 +69,7 @@ def save(name: str, function: Callable) -> bool:
         return False
     before = Path(FILE).read_text(encoding="utf-8")
     run(before)
-    file = getattr(getattr(function, "__code__", None), "co_filename", "")
-    cell = "".join(linecache.getlines(file))  # IPython has a file name for each cell
+    cell = "".join(linecache.getlines(file_of(function)))  # IPython has a file name for each cell
     after = with_definitions(before, MAGIC.sub("pass", cell))
     saved = run(after).get(name)
     if saved is None:

@@ -9,11 +9,11 @@ bound = 0.9                                    a value
 """
 
 from collections.abc import Callable, Mapping
-from math import prod
 
 import numpy as np
 
 from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.verify.operations.operation import shape_of
 
 Arguments = Callable[[Case], dict[str, object]]
 SMALL = 8
@@ -38,22 +38,16 @@ def _drawn(
 ) -> object:
     match entry:
         case str(sizes):
-            return spread(rng, shape_in(case, sizes))
+            return spread(rng, shape_of(case, sizes))
         case {"array": sizes, "within": largest}:
-            return spread(rng, shape_in(case, sizes), largest)
+            return spread(rng, shape_of(case, sizes), largest)
         case {"uniform": sizes, "within": largest}:
-            return uniform(rng, shape_in(case, sizes), largest)
+            return uniform(rng, shape_of(case, sizes), largest)
         case {"size": name}:
             return case[name]
         case {"by": name}:
             return space[name](case, rng, made)
     return entry
-
-
-def shape_in(case: Case, sizes: str) -> tuple[int, ...]:
-    """The shape "batch 3*hidden 2" in a case."""
-    axes = (axis.split("*") for axis in sizes.split())
-    return tuple(prod(int(f) if f.isdigit() else case[f] for f in factors) for factors in axes)
 
 
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:

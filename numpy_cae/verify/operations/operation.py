@@ -114,10 +114,8 @@ def arguments_of(
     def arguments(case: Case) -> dict[str, object]:
         rng = case.rng()
         any_axes = " ".join(leading[: case.get("axes", 0)])
-        sizes = {name: text.replace("...", any_axes).split() for name, text in shapes.items()}
-        arrays = drawn(
-            case, rng, **{n: tuple(_size(s, case) for s in each) for n, each in sizes.items()}
-        )
+        texts = {name: text.replace("...", any_axes) for name, text in shapes.items()}
+        arrays = drawn(case, rng, **{name: shape_of(case, text) for name, text in texts.items()})
         for name, wanted in values.items():
             if callable(wanted):
                 arrays[name] = wanted(rng, arrays[name].shape)
@@ -129,6 +127,11 @@ def arguments_of(
         return arrays | floats
 
     return arguments
+
+
+def shape_of(case: Case, sizes: str) -> tuple[int, ...]:
+    """The shape "batch 3*hidden 2" in a case."""
+    return tuple(_size(text, case) for text in sizes.split())
 
 
 def _size(text: str, case: Case) -> int:
