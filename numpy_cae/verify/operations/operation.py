@@ -7,6 +7,7 @@ import math
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -183,18 +184,16 @@ def _mask(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
     return rng.random(shape) < rng.choice([0.5, 0.5, 0.0, 1.0])
 
 
-def _gru(case: Case) -> dict[str, object]:
-    """The arguments of `gru`, or of `gru_step` if the case has no frames."""
+def _gru(name: str, case: Case) -> dict[str, object]:
+    """The arguments of `gru` or of `gru_step`."""
     rng = case.rng()
-    batch, hidden, channels = (case[size] for size in ("batch", "hidden", "channels"))
-    gates = 3 * hidden
-    frames = case.get("frames", 0)
-    x, state = ((batch, frames, channels), "h0") if frames else ((batch, channels), "h")
-    weights = {"w": (channels, gates), "u": (hidden, gates), "b": (gates,), "c": (gates,)}
-    arrays = drawn(case, rng, WEIGHT_REACH, x=x, **{state: (batch, hidden)}, **weights)
+    texts = TABLE["operations"][name]["shapes"]
+    shapes = {x: shape_of(case, text) for x, text in texts.items()}
+    arrays = drawn(case, rng, WEIGHT_REACH, **shapes)
+    _, state, *_ = arrays
     if case.get("state") != ORDINARY:
-        arrays[state] = VALUES[case.get("state")](rng, (batch, hidden), 1.0)
-    if max(frames, hidden) > CHAOTIC:
+        arrays[state] = VALUES[case.get("state")](rng, shapes[state], 1.0)
+    if max(case.get("frames", 0), case["hidden"]) > CHAOTIC:
         arrays["u"] = 0.1 * arrays["u"]
     return arrays
 
@@ -240,8 +239,8 @@ def _mean_of_equal_points(arguments: dict[str, object], gradient: np.ndarray) ->
 _DRAWN = {
     "unpool_random": arguments_of(TABLE["operations"]["unpool_random"]["shapes"], {"first": _mask}),
     "arctanh": _arctanh,
-    "gru_step": _gru,
-    "gru": _gru,
+    "gru_step": partial(_gru, "gru_step"),
+    "gru": partial(_gru, "gru"),
     "mean_squared_error": _mean_squared_error,
     "sliced_wasserstein": _sliced_wasserstein,
 }
