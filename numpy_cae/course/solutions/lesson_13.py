@@ -52,10 +52,8 @@ def block_matrices(taps, frames):
 def conv1d_by_blocks(x, w, b, a, g, c):
     """The convolution by A, G and C, and its pullback."""
     (batch, frames, channels), (taps, _, filters) = x.shape, w.shape
-    products, points = a.shape
-    length = len(c)
-    before = taps // 2
-    count = -(-frames // length)
+    (products, points), length = a.shape, len(c)
+    before, count = taps // 2, -(-frames // length)
     starts = range(0, count * length, length)
 
     def by_product(blocks):
