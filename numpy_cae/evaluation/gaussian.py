@@ -89,30 +89,24 @@ class Gaussian:
         return np.where(known, x, estimates)
 
     def linear_map(self, p: float) -> np.ndarray:
-        """A for values that are zero with probability p, (TAPS, C, C): `filtered` applies it."""
+        """A for values that are zero with probability p, (TAPS · C, C): `filtered` applies it."""
         size = len(self.mean) // TAPS
         middle = slice(TAPS // 2 * size, (TAPS // 2 + 1) * size)
         m = (1 - p) ** 2 * self.second
         np.fill_diagonal(m, (1 - p) * np.diag(self.second))
-        a = np.linalg.solve(_with_ridge(m), (1 - p) * self.second[:, middle])
-        return a.reshape(TAPS, size, size)
+        return np.linalg.solve(_with_ridge(m), (1 - p) * self.second[:, middle])
 
 
-def filtered(x: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """y_t = Σ_k x_{t + k - TAPS//2} A_k, windows (N, T, C) to the same; zero beyond a window."""
-    frames = x.shape[-2]
-    padded = _padded(x)
-    return sum(padded[:, k : k + frames] @ a for k, a in enumerate(weights))
+def filtered(x: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """z A of every frame of windows (N, T, C); frames beyond a window are zero."""
+    return np.stack([contexts(window) @ a for window in x])
 
 
 def contexts(window: np.ndarray) -> np.ndarray:
     """z: the `TAPS` frames around each frame as one row, (T, C) to (T, TAPS · C)."""
-    around = sliding_window_view(_padded(window[None])[0], TAPS, axis=0)  # (T, C, TAPS)
+    padded = np.pad(window, ((TAPS // 2, TAPS // 2), (0, 0)))
+    around = sliding_window_view(padded, TAPS, axis=0)  # (T, C, TAPS)
     return around.swapaxes(-1, -2).reshape(len(window), -1)
-
-
-def _padded(windows: np.ndarray) -> np.ndarray:
-    return np.pad(windows, ((0, 0), (TAPS // 2, TAPS // 2), (0, 0)))
 
 
 def _with_ridge(matrix: np.ndarray) -> np.ndarray:

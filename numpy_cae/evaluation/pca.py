@@ -26,13 +26,10 @@ class PCA:
     mean : (N,) array of float
     axes : (R, N) array of float
         Unit rows, by decreasing variance.
-    variances : (R,) array of float
-        Of the coordinates along the axes.
     """
 
     mean: np.ndarray
     axes: np.ndarray
-    variances: np.ndarray
 
     @classmethod
     def fit(cls, rows: np.ndarray) -> PCA:
@@ -45,12 +42,10 @@ class PCA:
         mean = rows.mean(axis=0, dtype=np.float64)
         x = rows - mean
         if len(rows) >= rows.shape[1]:
-            spread, vectors = np.linalg.eigh(x.T @ x)
-            return cls(mean, vectors.T[::-1], np.maximum(spread[::-1], 0) / len(rows))
+            return cls(mean, np.linalg.eigh(x.T @ x)[1].T[::-1])
         spread, vectors = np.linalg.eigh(x @ x.T)
         kept = np.flatnonzero(spread > NO_VARIANCE * spread[-1])[::-1]
-        axes = vectors.T[kept] @ x / np.sqrt(spread[kept, None])
-        return cls(mean, axes, spread[kept] / len(rows))
+        return cls(mean, vectors.T[kept] @ x / np.sqrt(spread[kept, None]))
 
     @property
     def sizes(self) -> list[int]:

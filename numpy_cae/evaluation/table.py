@@ -29,15 +29,11 @@ class Table:
     rows: Sequence[Sequence[object]]
     formats: str | Sequence[str] = ".2f"
 
-    def cells(self) -> list[list[str]]:
-        """The rows as printed, without the header."""
-        one = isinstance(self.formats, str)
-        formats = [self.formats] * len(self.header) if one else self.formats
-        return [list(map(_printed, row, formats)) for row in self.rows]
-
     def text(self) -> str:
         """The caption and the table: the first column is left-aligned, the others right-aligned."""
-        cells = [list(self.header), *self.cells()]
+        one = isinstance(self.formats, str)
+        formats = [self.formats] * len(self.header) if one else self.formats
+        cells = [list(self.header), *(list(map(_printed, row, formats)) for row in self.rows)]
         widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
         rule = "|" + "|".join("-" * (width + 1) + ("-:"[n > 0]) for n, width in enumerate(widths))
         lines = [_line(row, widths) for row in cells]

@@ -22,7 +22,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     ----------
     actors : list of Actor, of the same number of frames
     rate : float
-        Frames a second, for the times below; none are written where it is 0.
+        Frames a second, for the times below.
     poses : int
         Number of poses in a row.
     azimuth : float
@@ -44,7 +44,7 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
         for place, lines in enumerate(pictures):
             style: dict[str, Any] = {"linewidths": 2.2, "capstyle": "round"}
             axes.add_collection(LineCollection(lines, colors=actor.colour, **style))
-            time = f"{moments[place] / rate:.1f} s" if rate else ""
+            time = f"{moments[place] / rate:.1f} s"
             axes.annotate(time, (place * wide, low), ha="center", va="bottom", fontsize=7)
         if actor.label:
             name: dict[str, Any] = {"fontsize": 10, "color": actor.colour, "weight": "bold"}

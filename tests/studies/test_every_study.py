@@ -14,7 +14,7 @@ def test_the_result_is_well_formed(result_of, name):
     assert result.tables and result.claims
     for table in result.tables:
         assert table.rows
-        assert {len(cells) for cells in table.cells()} == {len(table.header)}
+        assert {len(row) for row in table.rows} == {len(table.header)}
         assert all(isinstance(row[0], str) for row in table.rows)
     for claim in result.claims:
         assert claim.sentence.endswith(".") and measured(claim).endswith(".")
