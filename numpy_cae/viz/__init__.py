@@ -13,7 +13,6 @@ from numpy_cae.viz.actor import (
     side_by_side,
 )
 from numpy_cae.viz.curves import Curve, losses_figure, matrix_figure, save_figure
-from numpy_cae.viz.index_page import save_index
 from numpy_cae.viz.live_curve import LiveCurve
 from numpy_cae.viz.sliders import Chart, slider_figure
 from numpy_cae.viz.strip import strip_figure, strip_svg

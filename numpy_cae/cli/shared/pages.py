@@ -1,18 +1,25 @@
 """The pages of `repair` and `fill`: before and after of one file, and an index of several."""
 
 import argparse
+import os
+import urllib.parse
 from collections.abc import Sequence
+from html import escape
 from pathlib import Path
 from shlex import quote
+from string import Template
 from typing import NamedTuple
 
 import numpy as np
 
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired
 from numpy_cae.repair.repaired import Measures, count, filled
-from numpy_cae.viz import before_and_after, save_index, save_viewer, strip_svg
+from numpy_cae.visible import visible
+from numpy_cae.viz import before_and_after, save_viewer, strip_svg
+from numpy_cae.viz.viewer import page_text
 
 NOT_REPEATED = "command run files output dry_run overwrite html findings only".split()
 """NOT_REPEATED: what the command of one finding does not repeat."""
@@ -74,12 +81,19 @@ def write_page(
 
 def write_index(folder: Path, rows: Sequence[Row]) -> Path:
     """Write the page that lists all files, those with most frames that jump first."""
-    page = folder / "index.html"
-    cells = []
+    lines = []
     for row in sorted(rows, key=lambda row: row.numbers[::-1], reverse=True):
-        link = row.page and row.page.relative_to(folder).as_posix()
-        cells.append((row.source.name, link, row.strip, in_words(row.numbers).split(", ")))
-    save_index(page, f"{count(len(rows), 'file')}: before and after", cells)
+        name = escape(visible(row.source.name))
+        if row.page:
+            address = os.fsencode(row.page.relative_to(folder).as_posix())
+            name = f'<a href="{urllib.parse.quote(address)}">{name}</a>'
+        said = "".join(f"<td>{escape(cell)}</td>" for cell in in_words(row.numbers).split(", "))
+        lines.append(f"<tr><th scope=row>{name}</th><td>{row.strip}</td>{said}</tr>")
+    title = f"{count(len(rows), 'file')}: before and after"
+    text = Template(page_text("index.html")).substitute(title=title, rows="\n".join(lines))
+    page = folder / "index.html"
+    with atomic_write(page) as temporary:
+        temporary.write_text(text, encoding="utf-8")
     return page
 
 
