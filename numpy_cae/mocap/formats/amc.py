@@ -116,12 +116,9 @@ def find_skeleton(path: str | Path) -> Path:
     if len(skeletons) == 1:
         return skeletons[0]
     found = ", ".join(asf.name for asf in skeletons) or "no .asf file"
-    raise MotionFileError(
-        path,
-        None,
-        f"it is not clear which skeleton it has: the folder contains {found}, expected "
-        f"{path.stem.split('_')[0]}.asf; copy its skeleton there under this name",
-    )
+    wanted = f"{path.stem.split('_')[0]}.asf; copy its skeleton there under this name"
+    problem = f"it is not clear which skeleton it has: the folder contains {found}"
+    raise MotionFileError(path, None, f"{problem}, expected {wanted}")
 
 
 def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channels], float, int]:

@@ -86,42 +86,37 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
     numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
     replacer = _Replacer(channels, numbers)
+    cut = len(before) - len(after)
     with (
         atomic_write(path) as temporary,
         _text(source, "r") as lines,
         _text(temporary, "w") as output,
     ):
-        output.writelines(_changed(_parts(lines, is_bvh), replacer, before, after, is_bvh, source))
+        parts = _parts(lines, is_bvh)
+        header = next(parts)
+        output.write(_FRAMES.sub(rf"\g<1>{len(after)}", header) if cut else header)
+        kept = islice(parts, cut, None)
+        texts = _changed(kept, replacer, before.at(slice(cut, None)), after, source)
+        if cut and not is_bvh:  # an .amc file numbers its frames
+            numbered = enumerate(texts, 1)
+            texts = (re.sub(r"\d+", str(number), text, count=1) for number, text in numbered)
+        output.writelines(texts)
     if replacer.misses:
         worst = ", ".join(f"{joint} {miss:.0f}{u}" for (joint, u), miss in replacer.misses.items())
         log.warning("%s: not written, as the channels do not allow it: %s", path, worst)
 
 
 def _changed(
-    parts: Iterator[str],
-    replacer: _Replacer,
-    before: Motion,
-    after: Motion,
-    is_bvh: bool,
-    source: Path,
+    texts: Iterator[str], replacer: _Replacer, before: Motion, after: Motion, source: Path
 ) -> Iterator[str]:
-    """The text above the first frame and that of each frame, with the numbers of `after`."""
-    cut = len(before) - len(after)
-    header = next(parts)
-    yield _FRAMES.sub(rf"\g<1>{len(after)}", header) if cut else header
-    next(islice(parts, cut, cut), None)  # leaves the first frames out
+    """The text of each frame, with the numbers of `after`."""
     count = 0
-    while texts := list(islice(parts, _BLOCK)):
-        frames = slice(count, count + len(texts))
-        count += len(texts)
+    while block := list(islice(texts, _BLOCK)):
+        frames = slice(count, count + len(block))
+        count += len(block)
         if count > len(after):
             break
-        was = before.at(slice(cut + frames.start, cut + frames.stop))
-        texts = replacer.replaced(texts, was, after.at(frames))
-        if cut and not is_bvh:  # an .amc file numbers its frames
-            numbered = enumerate(texts, frames.start + 1)
-            texts = [re.sub(r"\d+", str(number), text, count=1) for number, text in numbered]
-        yield from texts
+        yield from replacer.replaced(block, before.at(frames), after.at(frames))
     if count != len(after):
         raise MotionFileError(source, None, "has changed since it was read")
 
