@@ -23,10 +23,9 @@ import numpy as np
 from numpy_cae.manifold.fill import checked_mask
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body
-from numpy_cae.motion.contacts import foot_speeds, lower_foot
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion, require_finite
-from numpy_cae.repair.curves import usual_body
+from numpy_cae.repair.curves import slides_of
 from numpy_cae.repair.displaced import find_displaced, find_spikes, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import Finding, marked, shifted, usable
@@ -245,7 +244,7 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
         return damage
     slides = np.zeros((2, len(before)))
     if step.find is find_jumps:  # a body that was still did not slide
-        slides[:, :-1] = _slides(before, after)
+        slides[:, :-1] = slides_of(before, after)
     worse = []
     for finding in damage:
         there = slice(max(finding.stretch.start - margin, 0), finding.stretch.stop + margin)
@@ -255,15 +254,6 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
         if more or slid:
             worse.append(finding)
     return worse
-
-
-def _slides(before: Motion, after: Motion) -> np.ndarray:
-    """How fast feet that stand before a step slide before it and after it, 0 where none stands,
-    (2, frames - 1) in centimetres a second."""
-    bodies = [usual_body(motion) for motion in (before, after)]
-    lower, on_floor = lower_foot(bodies[0])
-    stands = on_floor[:, None] & (lower[:, None] == [0, 1])
-    return np.where(stands, [foot_speeds(body, before.rate) for body in bodies], 0.0).sum(axis=2)
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:
