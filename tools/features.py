@@ -28,7 +28,8 @@ from tools.readme_picture import damaged_walk
 DOCS = Path(__file__).parents[1] / "docs"
 WIDTH, HEIGHT, COLOURS = 1000, 720, 128
 FRAME = 50
-"""The frame that is shown of a page that plays motions."""
+"""FRAME: the frame that is shown of a page that plays motions; of a page with findings it is the
+middle of the chosen one."""
 FEATURE = re.compile(
     r"## (?P<heading>.*)\n[^#]*?```sh\n(?P<command>.*)\n```\n\n"
     r"(`(?P<shown>.*)`:\n\n)?!\[.*\]\((?P<picture>.*)\)"
@@ -75,7 +76,8 @@ def picture_of(page: Page, shown: Path, printed: str) -> bytes:
         page.wait_for_function("window.motionViewers?.()[0]?.stage", timeout=60_000)
         page.evaluate(
             "frame => { const [viewer] = motionViewers(); viewer.redraw(false); "
-            "viewer.scrub(frame); viewer.stage.draw(); }",
+            "const [first, last] = viewer.loop ?? [frame, frame]; "
+            "viewer.scrub(Math.round((first + last) / 2)); viewer.stage.draw(); }",
             FRAME,
         )
     return page.screenshot()
