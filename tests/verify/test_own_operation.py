@@ -68,6 +68,10 @@ def by_buffer(x, w):
     return buffer @ w, lambda dy: (dy @ w.T, buffer.astype(x.dtype).T @ dy)
 
 
+def to_buffers(x, w):
+    return np.float64(np.float32(x @ w)), lambda dy: (np.float64(np.float32(dy @ w.T)), x.T @ dy)
+
+
 def first_column(x):
     return x[:, :1] + 0, lambda dy: np.pad(dy, ((0, 0), (0, x.shape[1] - 1)))
 
@@ -92,6 +96,8 @@ SINGLE = {"dtypes": ["float32"]}
         (normalised, LAYER, {"sizes": {"channels": (4, 8, 16)}}),
         (lambda x, gain: normalised(x, gain, 1e-8), LAYER, {"sizes": {"channels": (2, 3, 4)}}),
         (by_buffer, {"x": "n c", "w": "c d"}, {"skip": ["dtype"]}),
+        (to_buffers, {"x": "n c", "w": "c d"}, {"skip": ["dtype"]}),
+        (ops.sigmoid, {"x": "batch channels"}, {"values": {"x": (-1000, 1000)}}),
         (single(normalised), LAYER, SINGLE),
         (single(ops.max_pool), {"x": "batch 2*frames channels"}, SINGLE),
         (first_column, {"x": "n in + out"}, {}),

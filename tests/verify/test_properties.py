@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from written_otherwise import RIGHT
+from written_otherwise import RIGHT, conv1d_by_einsum, conv1d_by_fft, sliced_by_ranks
 
 from numpy_cae import verify
-from numpy_cae.verify.operations.case import VALUES
+from numpy_cae.verify.operations.case import VALUES, Case
 from numpy_cae.verify.operations.catalogue import CATALOGUE
 
 
@@ -29,6 +29,22 @@ def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
 def test_what_is_written_otherwise_holds(name, function):
     report = verify.report(name, function)
     assert report.held, str(report)
+
+
+@pytest.mark.parametrize(
+    ("function", "operation", "name", "sizes", "seed"),
+    [
+        (conv1d_by_einsum, "conv1d", "linearity", {"batch": 70, "upstream": "large"}, 1613),
+        (conv1d_by_fft, "conv1d", "adjoint in x", {"taps": 3, "values": "constant", "of": "w"}, 0),
+        (sliced_by_ranks, "sliced_wasserstein", "dtype", {"values": "near ties", "of": "z"}, 1028),
+    ],
+)
+def test_where_terms_cancel_rounding_is_no_mistake(function, operation, name, sizes, seed):
+    # Each was refused with one of thirty seeds.
+    simple = {"frames": 14 if "upstream" in sizes else 2, "channels": 1, "filters": 1, "taps": 1}
+    simple |= {"batch": 1, "points": 2, "dimensions": 3, "directions": 2} | sizes
+    (stated,) = (each for each in verify.properties(operation) if each.name == name)
+    stated.check(function, Case(tuple(simple.items()), seed))
 
 
 def test_an_example_is_what_a_report_prints():

@@ -37,6 +37,8 @@ SCATTER_MARGIN = 4
 """SCATTER_MARGIN: a number is wrong only if it is off by so many times their scatter."""
 ROUNDING_MARGIN = 32
 """ROUNDING_MARGIN: rounding is taken to be at most so many times that of the outputs."""
+CURVED = 4
+"""CURVED: at so many times the step, a corner's jump has not doubled, but that of a curve has."""
 RATE_MARGIN = 0.1
 """RATE_MARGIN: a remainder decides if the power with which it falls is so near to 1 or to 2."""
 ABOVE_NOISE = 4
@@ -128,13 +130,14 @@ class Argument:
     def _measured(self, direction: np.ndarray, analytic: float) -> tuple[list[Slope], bool]:
         """Slopes at smaller and, where these do not decide, at larger steps.
 
-        Also whether the last one confirms the pullback's number, which ends the search.
+        Of one entry, outputs that never change add no rounding: they do not depend on it. Also
+        whether the last one confirms the pullback's number, which ends the search.
         """
         first = np.cbrt(self.epsilon)
         along = self.x[direction != 0]
         nearest = np.min(np.abs(along / direction[direction != 0]), initial=1.0)  # entry to zero
         smaller = [*SMALLER, *((nearest, nearest / 8) if 0 < nearest < SMALLER[-1] else ())]
-        depend = np.zeros(self.here.shape, dtype=bool)  # the outputs that have changed so far
+        depend = np.full(self.here.shape, np.count_nonzero(direction) > 1)
         slopes: list[Slope] = []
         todo = [1.0, *smaller]
         while todo:
@@ -153,22 +156,25 @@ class Argument:
                 todo += [factor for factor in LARGER if first * factor <= LARGEST_STEP]
             if not todo and len(slopes) == 1 + len(smaller) and len(_rates(slopes[::-1])) < 2:
                 todo += LARGER[:2]
-        return slopes, False
+        # Outputs that only a larger step moves are rounded at the smaller ones, too.
+        return [self._slope(direction, one.step, analytic, depend) for one in slopes], False
 
     def is_computed_in_float32(self) -> bool:
-        """Whether f rounds x to float32, as a float32 buffer does."""
+        """Whether f rounds x, or its outputs, to float32, as a float32 buffer does."""
         rounded = self.x.astype(np.float32).astype(np.float64)
         near = rounded * (1 + SINGLE / 128)
         change = np.sum(np.abs(self.gradient * (near - rounded)))
         rounding = ROUNDING_MARGIN * self.epsilon * np.sum(np.abs(self.dy * self.here))
-        return bool(change > rounding) and np.array_equal(self.f(near), self.f(rounded))
+        y = self.f(near)
+        is_single = is_of_float32(y) or np.array_equal(y, self.f(rounded))
+        return is_single and bool(change > rounding)
 
     def _confirmed(self, direction: np.ndarray, verdict: Verdict, best: Slope) -> str:
         """WRONG, or UNDECIDED where slopes at neighbouring steps scatter as much as they are off.
 
         The scatter contains rounding within f, which no output shows where large terms cancel.
         """
-        depend = np.zeros(self.here.shape, dtype=bool)
+        depend = np.full(self.here.shape, np.count_nonzero(direction) > 1)
         steps = [best.step * factor for factor in NEIGHBOURS]
         found = [self._slope(direction, step, verdict.analytic, depend).central for step in steps]
         scatter = np.ptp([*found, best.central])
@@ -211,6 +217,11 @@ class Argument:
         )
 
 
+def is_of_float32(array: np.ndarray | float) -> bool:
+    """Whether numbers have no more digits than float32, whatever their dtype."""
+    return np.array_equal(array, np.asarray(array, np.float32))
+
+
 def step_scale(x: np.ndarray) -> np.ndarray:
     """What the step of each entry of x is relative to: the larger of it and the median entry."""
     magnitude = np.abs(x)
@@ -230,12 +241,13 @@ def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Ve
     tolerated = tolerance * max(abs(best.central), abs(analytic))
     allowed = max(tolerated, tolerance * best.size) + min(errors)
     clear = next((slope for slope in slopes if slope.noise <= slope.jump / 4), slopes[0])
-    is_corner = clear.jump > max(slopes[-1].jump / 2, clear.noise, allowed)
+    beyond = next((slope for slope in slopes if slope.step > CURVED * clear.step), clear)
+    is_corner = clear.jump > max(beyond.jump / 2, clear.noise, allowed)
     rates = _rates(slopes)
     power = _power(rates)
     hidden = slopes[-1 - len(rates)]  # the largest step whose remainder is rounding
     kind = AGREES if gap <= allowed else WRONG
-    if is_corner and abs(clear.central - analytic) <= clear.jump / 2 + allowed:
+    if is_corner and abs(best.central - analytic) <= best.jump / 2 + allowed:
         kind = AGREES if gap <= allowed else KINK
     elif power == 1 and gap > tolerated + min(errors):
         kind = WRONG

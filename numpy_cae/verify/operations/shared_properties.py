@@ -120,7 +120,9 @@ def _adjoint(argument: str, operation: Operation, implementation: Callable, case
     dy = comparing.drawn_upstream(case, at_zero)
     every = comparing.results(operation, implementation, copies(arguments), dy)
     pulled = every[f"the gradient for {argument}"]
-    check_adjoint(lambda x: (every["the value"] - at_zero, lambda dy: pulled), x, dy)
+    value = every["the value"] - at_zero
+    if max(np.max(np.abs(value)), np.max(np.abs(pulled))) > comparing.EXACT:  # or its terms cancel
+        check_adjoint(lambda x: (value, lambda dy: pulled), x, dy)
     yield Pair("A' dy", pulled, pulled)
 
 
@@ -161,14 +163,17 @@ def _linearity(operation: Operation, implementation: Callable, case: Case) -> Pa
     of_one, of_other, of_both = pulled
     for name, gradient in of_both.items():
         expected = 2 * of_one[name] - 3 * of_other[name]
-        yield _again(f"of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
+        pair = _again(f"of 2 dy - 3 dy' the gradient for {name}", gradient, expected)
+        terms = max(1.0, _largest(one) / _largest(expected))  # large terms may cancel in a sum
+        yield pair._replace(tolerance=comparing.EXACT * terms)
 
 
 def _dtype(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Compare float32 with float64; arguments changed by rounding give the error allowed."""
     is_broadcast = case.get("layout") == "broadcast"  # equal entries cancel in general functions
-    if case.get("state") == "huge" or (is_broadcast and not operation.has_right_gradients):
-        return  # rounding may turn a gate, and then all frames that follow
+    turns = case.get("state") == "huge" or case.get("values") == "near ties"
+    if turns or (is_broadcast and not operation.has_right_gradients):
+        return  # rounding may turn a gate, and all frames that follow, or the order of two entries
     layout = _layout(operation, case)
     arguments = operation.arguments(case)
     arguments = dict(zip(arguments, copies(arguments, layout), strict=True))
