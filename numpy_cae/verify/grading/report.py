@@ -131,10 +131,9 @@ def _listed(head: str, names: Sequence[str]) -> list[str]:
 
 def _why(outcome: Outcome) -> Iterator[str]:
     """The lines below a property that does not hold, not too many of each kind."""
-    problem = ("what", outcome.problem, 9)
-    counterexample = ("smallest", outcome.counterexample, 13)
-    advice = [("likely", outcome.mistake, 4), ("hint", outcome.stated.hint, 4)]
-    for title, text, most in (problem, counterexample, *advice):
+    shown = [("what", outcome.problem, 9), ("smallest", outcome.counterexample, 13)]
+    shown += [("likely", outcome.mistake, 4), ("hint", outcome.stated.hint, 4)]
+    for title, text, most in shown:
         lines: list[str] = []
         for i, line in enumerate(text.splitlines()):
             head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)
@@ -231,7 +230,7 @@ def reply_of(outcomes: Sequence[Outcome]) -> dict:
     return {"outcomes": [{name: getattr(o, name) for name in ("held", *TEXTS)} for o in outcomes]}
 
 
-def report_of(exercise: Exercise, called: str, reply: dict) -> Report:
+def report_of(exercise: Exercise, reply: dict) -> Report:
     """The report from a reply of `reply_of`, or one that says why there is no such reply.
 
     If the process was ended, the outcomes until then count. Names, statements and points are not
@@ -247,10 +246,11 @@ def report_of(exercise: Exercise, called: str, reply: dict) -> Report:
             ]
             if problem:
                 outcomes += _ended(exercise.properties[len(outcomes) :], problem, reply["trying"])
-            return Report(exercise, called, tuple(outcomes))
+            return Report(exercise, exercise.name, tuple(outcomes))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
-    return Report(exercise, called, tuple(Outcome(p, False, problem) for p in exercise.properties))
+    outcomes = [Outcome(stated, False, problem) for stated in exercise.properties]
+    return Report(exercise, exercise.name, tuple(outcomes))
 
 
 def _ended(left: Sequence[Property], problem: str, trying: str) -> list[Outcome]:

@@ -131,7 +131,7 @@ def _graded(
             continue
         result = results.get(name, {"failed": f"it has no function {name}"})
         result = {"failed": fault} if fault else result
-        report = report_of(catalogue[name], name, result)
+        report = report_of(catalogue[name], result)
         if name not in assigned and _is_helper(report, submission):
             helpers.append(report)
         else:

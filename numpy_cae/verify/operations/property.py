@@ -121,7 +121,6 @@ class Outcome:
     counterexample: str = ""
     mistake: str = ""
     kind: str = ""  # of the mismatch, or the type of another error
-    case: Case | None = None  # the counterexample's
     crashed: bool = False  # whether the implementation raised
 
 

@@ -66,7 +66,7 @@ def try_property(
     if error is not None and shrink and not isinstance(error, NotImplementedError):
         case = _smallest(tried, implementation, case, what_failed(error))
         error = failure(tried, last, case)
-    failed = Outcome(tried, False, UNSTEADY, str(case), case=case)
+    failed = Outcome(tried, False, UNSTEADY, str(case))
     if error is None:
         return failed
     kind, subject = what_failed(error)
