@@ -48,6 +48,9 @@ def test_without_the_functions_to_be_tested_the_file_fails(graded):
 
 def test_a_warning_costs_no_points(graded):
     warning = "    import warnings; warnings.warn('careful'); np.log(np.float64(0))\n    y = "
+    overflows = "def sigmoid(x):\n    y = 1 / (1 + np.exp(-x))\n"
+    overflows += "    return y, lambda dy: dy * y * (1 - y)\n"
+    assert graded(f"import warnings; warnings.simplefilter('error')\n{RIGHT}{overflows}").held
     assert graded(RIGHT.replace("    y = ", warning)).held
 
 

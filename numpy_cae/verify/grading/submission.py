@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from warnings import catch_warnings
 
 import numpy as np
 
@@ -82,7 +83,7 @@ class Submission:
             names["np"] = sys.modules["numpy"]
         for name, source in self.cells:
             try:
-                with np.errstate():
+                with np.errstate(), catch_warnings():
                     exec(compile(source, name, "exec"), names)
             except BaseException as error:  # such as SystemExit
                 part = name if self.is_notebook else "at import"
