@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.training.state import HELD_OUT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,18 +38,22 @@ class Curve:
 
 
 def losses_figure(losses: Mapping[str, Sequence[float]]) -> Figure:
-    """Draw what a training measured after each epoch, by name: losses, and an error in cm."""
+    """Draw what a training measured after each epoch, by name: losses and, in a plot of its own,
+    the error on held-out takes."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 4.6), layout="constrained")
-    axes = figure.add_subplot()
-    for name, values in losses.items():
-        axes.plot(range(1, len(values) + 1), values, label=name, markersize=4)
-    axes.set(xlabel="epoch", ylabel="loss; error in cm", yscale="log")
-    axes.grid(color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    figure.legend(loc="outside right upper", frameon=False, fontsize=8)
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    plots = {"loss": [name for name in losses if name != HELD_OUT]}
+    if HELD_OUT in losses:
+        plots[HELD_OUT] = [HELD_OUT]
+    row = figure.subplots(1, len(plots), squeeze=False)[0]
+    for axes, (unit, names) in zip(row, plots.items(), strict=True):
+        for name in names:
+            axes.plot(range(1, len(losses[name]) + 1), losses[name], label=name)
+        axes.set(xlabel="epoch", ylabel=unit, yscale="log" if unit == "loss" else "linear")
+        axes.grid(color="#e4e4e4", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.axes[0].legend(frameon=False, fontsize=8)
     return figure
 
 

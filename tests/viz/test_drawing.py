@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.motion import JOINTS, PARENTS
+from numpy_cae.training.state import HELD_OUT
 from numpy_cae.viz import Actor, losses_figure, matrix_figure, strip_figure
 from numpy_cae.viz.camera import bones, camera_view
 
@@ -50,9 +51,12 @@ def test_a_strip_has_a_row_for_each_motion_and_cuts_nothing_off():
 
 
 def test_losses_are_drawn_by_epoch():
-    first, second = losses_figure({"a": [2.0, 3.0], "b": [1.0]}).axes[0].lines
+    """The error on held-out takes, in cm, is in a plot of its own."""
+    losses, errors = losses_figure({"a": [2.0, 3.0], "b": [1.0], HELD_OUT: [4.0]}).axes
+    first, second = losses.lines
     np.testing.assert_array_equal(first.get_xydata(), [[1, 2], [2, 3]])
     assert second.get_label() == "b"
+    assert [line.get_label() for line in errors.lines] == [HELD_OUT]
 
 
 def test_a_matrix_names_its_rows():
