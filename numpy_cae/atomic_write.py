@@ -31,11 +31,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         If the folder of `path` is missing, `path` is a folder, or writing fails.
     """
     path = Path(path)
-    # os.path returns False for names that are too long, where pathlib raises.
-    if os.path.isdir(path):
-        raise FileError(path, None, "cannot be written: there is a folder of this name")
-    if not os.path.isdir(path.parent):
-        raise FileError(path, None, f"cannot be written: there is no folder {path.parent}")
+    require_place(path)
     begin, end = f".{path.stem[:LONGEST_NAME]}.", f".part{path.suffix}"
     temporary = path.with_name(f"{begin}{os.getpid()}{end}")
     try:
@@ -49,6 +45,15 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def require_place(path: Path) -> None:
+    """Raise FileError if the folder of `path` is missing, or `path` is a folder."""
+    # os.path returns False for names that are too long, where pathlib raises.
+    if os.path.isdir(path):
+        raise FileError(path, None, "cannot be written: there is a folder of this name")
+    if not os.path.isdir(path.parent):
+        raise FileError(path, None, f"cannot be written: there is no folder {path.parent}")
 
 
 def _remove_leftovers(folder: Path, begin: str, end: str) -> None:

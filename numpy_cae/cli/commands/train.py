@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from numpy_cae import viz
+from numpy_cae.atomic_write import require_place
 from numpy_cae.cli.shared import arguments, train_options
-from numpy_cae.cli.shared.output import require_place
 from numpy_cae.cli.shared.takes import each_usable, in_halves, read_takes
 from numpy_cae.evaluation.half_removed import NOTE, half_removed
 from numpy_cae.evaluation.reconstruction import reconstruction

@@ -4,13 +4,11 @@ import os
 import re
 import shutil
 import sys
-import tempfile
 import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, TextIO, TypeVar
 
 from numpy_cae.visible import visible
@@ -117,14 +115,3 @@ def working(on: str) -> Iterator[Callable[[float], None]]:
     finally:
         ended.set()
         thread.join()
-
-
-def require_place(path: Path) -> None:
-    """Raise ValueError unless the file can be created; call this before hours of work."""
-    if path.is_dir():
-        raise ValueError(f"{path}: cannot be written: there is a folder of this name")
-    try:
-        with tempfile.TemporaryFile(dir=path.resolve().parent):
-            pass
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written: {error.strerror}") from None
