@@ -103,9 +103,9 @@ def _write(results: dict[str, Result], folder: Path) -> None:
             (folder / f"{name}.png").write_bytes(png(picture))
             if picture.actors:
                 save_viewer(picture.actors, folder / f"{name}.html", picture.rate)
-    confirmed = sum(result.confirmed for result in results.values())
-    claims = sum(len(result.claims) for result in results.values())
-    print(f"{folder / 'report.md'}: {confirmed} of {claims} claims confirmed")
+    claims = [claim for result in results.values() for claim in result.claims]
+    confirmed = sum(bool(claim.confirmed) for claim in claims)
+    print(f"{folder / 'report.md'}: {confirmed} of {len(claims)} claims confirmed")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,6 @@ from numpy_cae.manifold import MotionManifold, learn_manifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, TrainingState, recipe
 from studies import (
     comparison,
-    constrained_projection,
     depth,
     filling_in,
     interpolation,
@@ -46,7 +45,6 @@ STUDIES = (
     filling_in,
     interpolation,
     comparison,
-    constrained_projection,
 )
 """Those of a manifold, in the order of holden2015."""
 RATE = 30.0

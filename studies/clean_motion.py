@@ -28,10 +28,14 @@ from numpy_cae.repair.interpolated import missing_joints
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased
 from studies.shared.result import Result, Table
 
-SECONDS, RATES, SIZES = 6.0, (24.0, 25.0, 30.0, 60.0, 120.0), (1.0, 0.5, 2.0)
+SECONDS = 6.0
+RATES = (24.0, 25.0, 30.0, 60.0, 120.0)
+SIZES = (1.0, 0.5, 2.0)
 PLANTED = (*EASED, "spikes", "dropped frames", "jitter of some joints")
-FAST, SYNTHETIC_TAKES = ("run", "kick", "walk_with_turn", "punch", "jumping_jacks"), 4
-"""FAST: synthetic actions, of each of which so many takes are repaired."""
+FAST = ("run", "kick", "walk_with_turn", "punch", "jumping_jacks")
+"""FAST: synthetic actions."""
+SYNTHETIC_TAKES = 4
+"""SYNTHETIC_TAKES: of each action of `FAST` so many takes are repaired."""
 CONFIDENCES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.01)
 """CONFIDENCES: findings are counted between these."""
 CHANGED = 0.02

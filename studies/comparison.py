@@ -9,6 +9,11 @@ Each distance makes rows of numbers of a clip, one row or one for each of its wi
 of two clips is the Euclidean distance of their nearest rows. For equation 4 that is √G, which ranks
 as G does. For PCA a row has the coordinates of a window on `AXES` axes of the training takes.
 
+The mean over all queries of the average precision is in the table. A query searches a gallery,
+nearest first; with rel(r) = 1 where the motion at rank r is relevant, and R of them in the gallery,
+
+    average precision   1/R · Σ_r rel(r) · (rel(1) + … + rel(r)) / r
+
 Delays: is G "temporally invariant" (equation 4)? Each test take is delayed: its first pose is held
 for 1 to 24 frames, so that its content is the same. A window that is moved inside a take has
 another content, which says nothing of invariance.
@@ -38,7 +43,6 @@ from numpy_cae.motion.features import TURN, VELOCITY
 from numpy_cae.motion.windows import cut_windows
 from studies.shared.material import LabelledTake, Material, evenly, features_of
 from studies.shared.result import Claim, Result, Table, combined
-from studies.shared.retrieval import average_precision
 
 CONTENT = "content"
 STYLE = "style"
@@ -157,6 +161,36 @@ def retrieved(
             name: float(average_precision(d, alike[answered]).mean()) for name, d in visible.items()
         }
     return average
+
+
+def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
+    """The precision at the rank of each relevant motion, averaged over those.
+
+    Parameters
+    ----------
+    distances : (Q, N) array of float
+        From each query to each motion of the gallery; infinite for those that are left out.
+    alike : (Q, N) array of bool
+        The motions that are relevant to each query.
+
+    Returns
+    -------
+    (Q,) array of float64
+
+    Raises
+    ------
+    ValueError
+        If nothing in the gallery is relevant to one of the queries.
+    """
+    alike = alike & np.isfinite(distances)
+    order = np.argsort(distances, axis=1, kind="stable")
+    ranked = np.take_along_axis(alike, order, axis=1)
+    found = ranked.sum(axis=1)
+    if np.any(found == 0):
+        query = int(np.argmin(found))
+        raise ValueError(f"nothing in the gallery is like query {query}: it has no precision")
+    precision = np.cumsum(ranked, axis=1) / np.arange(1, ranked.shape[1] + 1)
+    return np.sum(precision * ranked, axis=1) / found
 
 
 def labels_of_pairs(

@@ -34,8 +34,10 @@ from studies.timing.torch_sequential import LATENT, step
 
 SECONDS = (1, 10, 60, 600, 3600)
 """Lengths of the files that are repaired (s)."""
-FILES, WINDOWS = (1, 10, 100, 300), (1, 4, 16, 64, 256, 1024)
-JOINTS, HIDDEN = (20, 50, 100, 200, 500, 1000), (64, 128, 256, 512, 1024)
+FILES = (1, 10, 100, 300)
+WINDOWS = (1, 4, 16, 64, 256, 1024)
+JOINTS = (20, 50, 100, 200, 500, 1000)
+HIDDEN = (64, 128, 256, 512, 1024)
 LARGE = 2
 """The slope is that of so many of the largest sizes."""
 TAKES, MINUTES = 280, 45.0
@@ -174,5 +176,6 @@ def _slope(costs: Costs) -> float:
 
 
 def _row(what: str, costs: Costs) -> list[object]:
-    first, last = min(costs), max(costs)
+    first = min(costs)
+    last = max(costs)
     return [what, first, last, costs[first][0], costs[last][0], _slope(costs), costs[last][1]]

@@ -1,6 +1,6 @@
 """Damage of eight kinds in the rig of the file, repaired with the mask unknown, with the mask
-given, and by simple methods; holes of several lengths; and what repair does to motions without
-damage.
+given, and by simple methods; and holes of several lengths. `python -m studies clean_motion` has
+motions without damage.
 
     python -m studies damage --data bandai --test '*_005.bvh'
 
@@ -34,8 +34,10 @@ from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
 from studies.shared.material import LabelledTake, Material, evenly
 from studies.shared.result import Claim, Result, Table
 
-TAKES, HOLE_TAKES = 10, 16
-"""Of each source at most so many takes are damaged, and get holes."""
+TAKES = 10
+"""TAKES: of each source at most so many takes are damaged."""
+HOLE_TAKES = 16
+"""HOLE_TAKES: of each source at most so many takes get holes."""
 HOLES = (10, 20, 45, 90)
 """Lengths of holes, in frames at 30 a second."""
 PARTS: dict[str, tuple[Sequence[str], float]] = {
@@ -46,19 +48,19 @@ PARTS: dict[str, tuple[Sequence[str], float]] = {
 }
 """Name of a part to its joints, which are missing in the holes, and the share of the error of the
 best rotation curve that repair with the mask given may have."""
-DAMAGED, UNKNOWN, GIVEN = "as damaged", "repair, mask unknown", "repair, mask given"
+DAMAGED = "as damaged"
+UNKNOWN = "repair, mask unknown"
+GIVEN = "repair, mask given"
 LINEAR = "Gaussian of 15 frames, mask given"
-JITTER, BEST = "jitter", "best curve"
+JITTER = "jitter"
+BEST = "best curve"
 CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_CURVES.items()}
 """What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
 the rig on both sides. The curves are given the mask and the undamaged rotations."""
 LEAST_ERROR = 0.02
 """LEAST_ERROR: in ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
-RECALL, PRECISION = "of the damage, found", "of what is found, damaged"
-PROPOSED = ", with proposals"
-CLEAN = ("change, cm", "touched, %", "known, %")
-"""What repair does to takes without damage: mean change, share of joints and frames that it
-touched, share of takes that are like what the model learned from."""
+RECALL = "of the damage, found"
+PRECISION = "of what is found, damaged"
 GAUSSIAN_TAKES = 60
 """GAUSSIAN_TAKES: the Gaussian is fitted to at most this many takes."""
 KINDS = tuple(DAMAGES)
@@ -66,7 +68,7 @@ ERROR = (
     "error, cm. Methods with the mask given know the damaged joints and frames; `repair` smooths "
     "where the damage is jitter"
 )
-ELSEWHERE, INTACT = "change of everything else, cm", "without damage"
+ELSEWHERE = "change of everything else, cm"
 BY_ONSET = "error, cm, by the frames at 30 a second over which damage begins and ends"
 FINDINGS = "what repair finds, mask unknown, % of joints and frames"
 HOLE_ERROR = "holes in takes without damage, cm"
@@ -76,7 +78,6 @@ TABLES: dict[str, Sequence[str]] = {
     ELSEWHERE: KINDS,
     BY_ONSET: [str(onset) for onset in ONSETS],
     FINDINGS: KINDS,
-    INTACT: CLEAN,
     HOLE_ERROR: (*CURVES, GIVEN),
     RATIO: (*CURVES, BEST),
 }
@@ -135,14 +136,8 @@ class _Trial:
         self.values: dict[str, Values] = {c: defaultdict(lambda: defaultdict(list)) for c in TABLES}
 
     def add(self, truth: Motion, number: int) -> None:
-        """Repair a take without damage, and by every method with damage of each kind."""
+        """Damage a take in each way, and repair it by every method."""
         true = body_positions(truth)
-        repaired = repair(truth, self.manifold)
-        after = body_positions(repaired.motion)
-        change = _distance(after, true).mean()
-        touched = 100 * repaired.touched.mean()
-        for column, value in zip(CLEAN, (change, touched, 100.0 * repaired.known), strict=True):
-            self.values[INTACT][UNKNOWN][column].append(value)
         for kind, damage in DAMAGES.items():
             for onset in ONSETS if kind in EASED else ONSETS[:1]:
                 damaged, mask = damage(truth, np.random.default_rng([self.seed, number, onset]))
@@ -169,11 +164,10 @@ class _Trial:
         """The damaged take by every method; what repair finds is compared with the mask."""
         repaired = repair(damaged, self.manifold, preset=Preset(smooth=kind.startswith(JITTER)))
         findings = [finding for finding in repaired.findings if finding.kind != JITTER]
-        for more, each in (("", findings), (PROPOSED, [*findings, *repaired.proposed])):
-            found = missing_joints(damaged, each)
-            self.values[FINDINGS][RECALL + more][kind].append(100 * found[mask].mean())
-            if found.any():
-                self.values[FINDINGS][PRECISION + more][kind].append(100 * mask[found].mean())
+        found = missing_joints(damaged, findings)
+        self.values[FINDINGS][RECALL][kind].append(100 * found[mask].mean())
+        if found.any():
+            self.values[FINDINGS][PRECISION][kind].append(100 * mask[found].mean())
         made = {DAMAGED: damaged, UNKNOWN: repaired.motion}
         if not mask.all():
             made |= {name: filling(damaged, mask) for name, filling in self.fillings.items()}

@@ -16,6 +16,7 @@ import numpy as np
 
 from numpy_cae.evaluation import position_error
 from numpy_cae.evaluation.clips import Clips
+from numpy_cae.evaluation.samples import jitter
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.fill import keyframe_mask
 from numpy_cae.mocap import body_positions
@@ -25,9 +26,7 @@ from numpy_cae.motion.key_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
 from numpy_cae.repair.interpolated import on_curves
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
-from studies.shared.body import jitter
-from studies.shared.clips import testing_of
-from studies.shared.material import Material, evenly
+from studies.shared.material import Material, evenly, testing_of
 from studies.shared.result import Claim, Result, Table, moving
 
 EVERY = 15

@@ -20,9 +20,7 @@ import numpy as np
 
 from studies.gradients.bugs import LAYERS, bugs
 from studies.gradients.cases import RIGHT, WRONG
-from studies.gradients.libraries import CHECKS, by_numpy_cae, with_arrays
-from studies.gradients.on_bugs import CHECKS as CHECKS_ON_BUGS
-from studies.gradients.on_bugs import verdict
+from studies.gradients.libraries import CHECKS, ON_BUGS, by_numpy_cae, verdict, with_arrays
 from studies.shared.result import Result, Table
 
 
@@ -46,13 +44,13 @@ def _on_layers() -> Table:
     """A row for each layer of a small project, in the version that the project has."""
     rows = []
     for layer in bugs(LAYERS):
-        said = [verdict(check, layer, fixed=False) for check in CHECKS_ON_BUGS]
+        said = [verdict(check, layer, fixed=False) for check in ON_BUGS]
         words = {layer.is_right: "right", not layer.is_right: "false alarm", None: "not installed"}
         words |= {} if layer.is_right else {True: "missed"}
         project, operation, thread = (layer.fields[n] for n in ("project", "operation", "thread"))
         word = "right" if layer.is_right else "wrong"
         rows.append([f"[{project}, {operation}]({thread})", word, *(words[each] for each in said)])
-    return _counted("layer", list(CHECKS_ON_BUGS), rows)
+    return _counted("layer", list(ON_BUGS), rows)
 
 
 def _counted(what: str, checks: list[str], rows: list[list[str]]) -> Table:
@@ -64,13 +62,13 @@ def _counted(what: str, checks: list[str], rows: list[list[str]]) -> Table:
 
 def _on_bugs() -> list[Table]:
     """A row for each bug, with the checks that miss it, and what each check found and refused."""
-    found = dict.fromkeys(CHECKS_ON_BUGS, 0)
-    refused = dict.fromkeys(CHECKS_ON_BUGS, 0)
+    found = dict.fromkeys(ON_BUGS, 0)
+    refused = dict.fromkeys(ON_BUGS, 0)
     rows = []
     every = bugs()
     for bug in every:
         missed = []
-        for check in CHECKS_ON_BUGS:
+        for check in ON_BUGS:
             accepted = verdict(check, bug, fixed=False)
             missed += [check] if accepted else []
             found[check] += accepted is False
@@ -80,7 +78,7 @@ def _on_bugs() -> list[Table]:
         rows.append([links, bug.fields["mistake"], ", ".join(missed)])
     of = f"of {len(every)}"
     header = ["check", f"wrong ones found, {of}", f"right ones refused, {of}"]
-    counts = [[name, found[name] or "not installed", refused[name]] for name in CHECKS_ON_BUGS]
+    counts = [[name, found[name] or "not installed", refused[name]] for name in ON_BUGS]
     return [Table("", ["wrong gradient", "mistake", "missed by"], rows), Table("", header, counts)]
 
 

@@ -17,7 +17,7 @@ from numpy_cae.evaluation import PCA
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
-from studies.shared.material import LabelledTake, Material, features_of
+from studies.shared.material import LabelledTake, Material, evenly, features_of
 from studies.shared.result import Claim, Result, Table, moving
 from studies.shared.validity import Validity, ValidityMeasure
 
@@ -26,9 +26,13 @@ AXES = 30
 """AXES: of PCA on single frames, which have 63 features."""
 PAIRS = 5
 """Of each kind of pair at most this many are measured."""
-LINEAR, ALONG, PRINCIPAL = "linear", "along the manifold", "PCA on frames"
-ENDS, PROJECTED_ENDS = "the two motions", "the two, projected"
-PRESS_UPS, STYLES = "press-ups and walking", "walks of two styles"
+LINEAR = "linear"
+ALONG = "along the manifold"
+PRINCIPAL = "PCA on frames"
+ENDS = "the two motions"
+PROJECTED_ENDS = "the two, projected"
+PRESS_UPS = "press-ups and walking"
+STYLES = "walks of two styles"
 Clips = tuple[np.ndarray, np.ndarray]
 """The features (F, 63) of two motions of one length."""
 
@@ -123,10 +127,4 @@ def pairs_of(takes: list[LabelledTake]) -> dict[str, list[tuple[LabelledTake, La
     styled = [(one, other) for one, other in combinations(walks, 2) if one.style and other.style]
     styles = [(a, b) for a, b in styled if a.source == b.source and a.style != b.style]
     every = {PRESS_UPS: list(product(press_ups, walks)), STYLES: styles}
-    return {kind: _some(pairs) for kind, pairs in every.items() if pairs}
-
-
-def _some(pairs: list) -> list:
-    """At most `PAIRS`, spread over all."""
-    count = min(PAIRS, len(pairs))
-    return [pairs[k * len(pairs) // count] for k in range(count)]
+    return {kind: evenly(pairs, PAIRS) for kind, pairs in every.items() if pairs}

@@ -17,8 +17,7 @@ from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import POSITIONS
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
-from studies.shared.clips import testing_of
-from studies.shared.material import Material
+from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Result, Table, moving
 
 BIAS = 0.03

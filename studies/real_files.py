@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
+from numpy_cae.evaluation.samples import jitter
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions, find_motion_files, load_motion
 from numpy_cae.motion import Motion
@@ -25,7 +26,6 @@ from numpy_cae.motion.masks import with_margin
 from numpy_cae.repair import PRESETS, Preset, repair
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
-from studies.shared.body import jitter
 from studies.shared.result import Claim, Result, Table
 
 BEFORE = "as it is"

@@ -26,8 +26,7 @@ from numpy_cae.evaluation.half_removed import (
 )
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
-from studies.shared.clips import testing_of
-from studies.shared.material import Material
+from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Result, Table
 
 PS = (0.1, 0.3, P, 0.7, 0.9)

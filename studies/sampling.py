@@ -25,8 +25,10 @@ DRAWN = 24
 """Motions drawn from each prior."""
 SLACK = 1.25
 """SLACK: a motion is valid if each error is at most this many times that of projected motion."""
-REAL, PROJECTED_REAL = "test takes", "test takes, projected"
-UNIFORM, FITTED = "uniform prior", "fitted prior"
+REAL = "test takes"
+PROJECTED_REAL = "test takes, projected"
+UNIFORM = "uniform prior"
+FITTED = "fitted prior"
 STATEMENTS = {UNIFORM: "uniform_prior", FITTED: "other_prior"}
 
 

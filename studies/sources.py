@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared.takes import each_usable
-from numpy_cae.evaluation.clips import Clips, clips_of
+from numpy_cae.evaluation.clips import clips_of
 from numpy_cae.evaluation.half_removed import COMPLETED, GAUSSIAN, PCHIP, Repairs
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import load_body
@@ -47,12 +47,11 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
     claims = []
     for name, own in takes.items():
         others = [take for other, each in takes.items() if other != name for take in each]
-        errors = swept(*_fitted(others, own, seed), PS, range(seed, seed + SEEDS))
+        errors = _errors(others, own, seed)
         claims.append(_claim(name, errors))
         tables.append(_table(f"{name}, {LEFT_OUT}", errors))
         earlier = [take for number, take in enumerate(own) if number % FIFTH]
-        errors = swept(*_fitted(earlier, own[::FIFTH], seed), PS, range(seed, seed + SEEDS))
-        tables.append(_table(f"{name}, {SAME}", errors))
+        tables.append(_table(f"{name}, {SAME}", _errors(earlier, own[::FIFTH], seed)))
     return Result("A source that was not in training", tables, claims)
 
 
@@ -60,13 +59,12 @@ def _takes_of(folder: str | Path) -> list[np.ndarray]:
     return [positions for _, positions in each_usable([folder], lambda path: load_body(path)[0])]
 
 
-def _fitted(
-    training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int
-) -> tuple[Repairs, Clips]:
-    """The methods, fitted to takes (F, 20, 3), and windows of other takes."""
+def _errors(training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int) -> Errors:
+    """The errors in windows of takes (F, 20, 3) of the methods, fitted to other takes."""
     manifold = learn_manifold(training, recipe(RECIPE), seed)
     repairs = Repairs(manifold, clips_of(manifold, training))
-    return repairs, clips_of(manifold, testing).evenly(WINDOWS)
+    test = clips_of(manifold, testing).evenly(WINDOWS)
+    return swept(repairs, test, PS, range(seed, seed + SEEDS))
 
 
 def _table(caption: str, errors: Errors) -> Table:

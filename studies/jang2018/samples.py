@@ -23,7 +23,9 @@ from studies.shared.result import Claim, Picture, Result
 
 SHOWN_IN_PAPER = 16
 """Samples of an action."""
-FITTED, PRIOR, REAL = "fitted", "prior", "test"
+FITTED = "fitted"
+PRIOR = "prior"
+REAL = "test"
 COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
 SAMPLES = 100
 """Clips from each source that are measured."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from numpy_cae.cli.shared.takes import each_usable
+from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.mocap import Coordinates
 from numpy_cae.mocap.load import is_test, load_body, load_motion
 from numpy_cae.mocap.rigs.rigs import Mappings
@@ -26,8 +27,13 @@ if TYPE_CHECKING:
 
 Take = TypeVar("Take")
 _BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
+TESTING_WINDOWS = 120
+"""TESTING_WINDOWS: at most this many windows, evenly spaced; more would take minutes and hardly
+change the results."""
 _LABELS = "labels.csv"
-_SYNTHETIC, _BANDAI_NAMCO, _UNLABELLED = "synthetic", "bandai", "other"
+_SYNTHETIC = "synthetic"
+_BANDAI_NAMCO = "bandai"
+_UNLABELLED = "other"
 
 
 @dataclass(frozen=True)
@@ -90,6 +96,14 @@ def evenly(takes: Sequence[Take], count: int) -> list[Take]:
     """At most `count` takes, spread evenly over all."""
     chosen = np.linspace(0, len(takes) - 1, min(count, len(takes))).round().astype(int)
     return [takes[index] for index in chosen]
+
+
+def testing_of(manifold: MotionManifold, material: Material) -> tuple[Clips, str]:
+    """The windows to measure on, and a sentence that describes them."""
+    testing = clips_of(manifold, [take.positions for take in material.testing])
+    testing = testing.evenly(TESTING_WINDOWS)
+    takes = len(np.unique(testing.take))
+    return testing, f"Measured on {len(testing)} windows of {takes} takes not used in training."
 
 
 def read_material(

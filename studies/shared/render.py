@@ -8,9 +8,10 @@ from studies.shared.result import Claim, Picture, Result
 
 def text(result: Result) -> str:
     """The title, the tables in Markdown's form, the note, the claims and the provenance."""
-    claims = [
-        f"{status(claim)}: {claim.sentence} Measured: {measured(claim)}" for claim in result.claims
-    ]
+    claims = []
+    for claim in result.claims:
+        verdict = "confirmed" if claim.confirmed else "not confirmed"
+        claims.append(f"{verdict}: {claim.sentence} Measured: {measured(claim)}")
     made = [f"{name}: {value}" for name, value in result.provenance.items()]
     parts = [result.title, result.about, *(t.text() for t in result.tables), result.note]
     return "\n\n".join(filter(None, [*parts, "\n".join(claims), "\n".join(made)]))
@@ -19,11 +20,6 @@ def text(result: Result) -> str:
 def measured(claim: Claim) -> str:
     """The figures, and those of the opponent."""
     return claim.figures + (f" {claim.opponent}" if claim.opponent else "")
-
-
-def status(claim: Claim) -> str:
-    """The words "confirmed" or "not confirmed"."""
-    return "confirmed" if claim.confirmed else "not confirmed"
 
 
 def data(result: Result) -> dict:

@@ -110,11 +110,6 @@ class Result:
     about: str = ""
     provenance: Mapping[str, str] = field(default_factory=dict)
 
-    @property
-    def confirmed(self) -> int:
-        """The number of claims that are confirmed."""
-        return sum(bool(claim.confirmed) for claim in self.claims)
-
 
 def combined(title: str, parts: Sequence[Result], note: str = "") -> Result:
     """The tables, claims and figures of several measurements as one result."""

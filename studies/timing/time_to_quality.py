@@ -33,8 +33,7 @@ from numpy_cae.training.adam import BETA_2
 from numpy_cae.training.layerwise import autoencoder_steps
 from numpy_cae.training.sequential import Draw, sequential_steps
 from studies.jang2018.actions import synthetic_action
-from studies.shared.clips import testing_of
-from studies.shared.material import Material
+from studies.shared.material import Material, testing_of
 from studies.shared.result import Table
 from studies.timing.torch_convolutional import TorchModel, torch, windows
 from studies.timing.torch_sequential import TorchSequences
@@ -145,7 +144,8 @@ def _windows(material: Material, rms: float) -> tuple[np.ndarray, Clips]:
 def curve(epochs: Iterator[None], error: Callable[[], float]) -> Curve:
     """Train for one epoch at each `next`, and measure the error after each."""
     measured: Curve = []
-    seconds, start = 0.0, time.perf_counter()
+    seconds = 0.0
+    start = time.perf_counter()
     for _ in epochs:
         seconds += time.perf_counter() - start
         measured.append((seconds, error()))

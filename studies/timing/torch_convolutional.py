@@ -43,7 +43,8 @@ class Case:
 
 def cases(model: ConvAutoencoder, batch: int, seed: int = 0) -> Iterator[Case]:
     """Every case for one batch size, of random numbers as large as those of training."""
-    rng, layers = np.random.default_rng(seed), model.layers
+    rng = np.random.default_rng(seed)
+    layers = model.layers
     for index in (*range(len(layers)), None):
         used = layers if index is None else [layers[index]]
         frames = FRAMES >> (index or 0)

@@ -13,7 +13,10 @@ from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training import unit_directions
 from studies.timing.torch_convolutional import torch
 
-FRAMES, LATENT, DIRECTIONS, WEIGHT = 50, 32, 64, 0.1
+FRAMES = 50
+LATENT = 32
+DIRECTIONS = 64
+WEIGHT = 0.1
 OF_GRU = {"w": "weight_ih", "u": "weight_hh", "b": "bias_ih", "c": "bias_hh"}
 """Our names of a GRU's weights to PyTorch's."""
 
@@ -58,7 +61,8 @@ class TorchSequences:
         """z, and the clips (B, T, features) that are written from it."""
         z = self.latent(self.encoder(x)[1][0])
         h = self.state(z)
-        frame, written = torch.zeros_like(x[:, 0]), []
+        frame = torch.zeros_like(x[:, 0])
+        written = []
         for _ in range(x.shape[1] + self.burn_in):
             h = self.decoder(frame, h)
             frame = self.frame(h)

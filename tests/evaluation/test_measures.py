@@ -13,15 +13,15 @@ from numpy_cae.evaluation.clips import Clips
 from numpy_cae.evaluation.samples import (
     clip_distances,
     diversity,
+    jitter,
     nearest_distance,
     nearest_neighbour_accuracy,
 )
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.fit import body_skeleton
-from studies.shared.body import bone_length_error, jitter
-from studies.shared.retrieval import average_precision
-from studies.shared.validity import Validity, ValidityMeasure
+from studies.comparison import average_precision
+from studies.shared.validity import Validity, ValidityMeasure, bone_length_error
 
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")

@@ -24,7 +24,6 @@ SMALL = {
         "PARTS": {"wrist": (("left_wrist",), 1.0)},
     },
     "sampling": {"DRAWN": 4},
-    "constrained_projection": {"TAKES": 1},
     "comparison": {"QUERIES": 2, "OF_SCENE": 1, "SECONDS": 3.0, "NEAREST": 2},
     "depth": {"FILTERS": (4, 6, 8), "recipe": lambda name: Schedule(layer=Stage(rate=0.02))},
 }

@@ -91,7 +91,6 @@ def test_the_study_of_sequences_has_claims_pictures_and_models(
         (reconstruction, "PCA_CLIPS", 200),
         (samples, "SAMPLES", 20),
         (regulariser, "REPEATS", 1),
-        (regulariser, "SAMPLES", 20),
     ):
         monkeypatch.setattr(module, name, fewer)
     out = tmp_path / "out"

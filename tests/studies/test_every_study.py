@@ -5,7 +5,7 @@ import pytest
 from studies.shared.render import measured, png, report, text
 
 NAMES = "repair_sweep filling_in interpolation comparison damage sampling "
-NAMES += "constrained_projection representation kinect depth"
+NAMES += "representation kinect depth"
 
 
 @pytest.mark.parametrize("name", NAMES.split())
