@@ -176,6 +176,5 @@ def _slope(costs: Costs) -> float:
 
 
 def _row(what: str, costs: Costs) -> list[object]:
-    first = min(costs)
-    last = max(costs)
+    first, *_, last = sorted(costs)
     return [what, first, last, costs[first][0], costs[last][0], _slope(costs), costs[last][1]]

@@ -183,8 +183,12 @@ def unpoolings(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
     decoded = {
         TRUE: testing.x,
         EVEN: manifold.network.decode(y),
-        RANDOM: _decoded_at_random(manifold, y, np.random.default_rng(seed)),
+        RANDOM: y,
     }
+    rng = np.random.default_rng(seed)
+    for layer in reversed(manifold.network.layers):
+        first = rng.random(decoded[RANDOM].shape) < 0.5
+        decoded[RANDOM], _ = layer.decode_with_pullback(decoded[RANDOM], first)
     trembling = {name: _jitter(testing, x) for name, x in decoded.items()}
     times = {name: each / trembling[TRUE] for name, each in trembling.items()}
     rows = [[name, testing.error(x), trembling[name], times[name]] for name, x in decoded.items()]
@@ -197,14 +201,6 @@ def unpoolings(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
     ]
     pictures = {"unpoolings": moving(motions, manifold.rate)}
     return Result("", [Table("", header, rows)], claims, pictures)
-
-
-def _decoded_at_random(
-    manifold: MotionManifold, y: np.ndarray, rng: np.random.Generator
-) -> np.ndarray:
-    for layer in reversed(manifold.network.layers):
-        y, _ = layer.decode_with_pullback(y, rng.random(y.shape) < 0.5)
-    return y
 
 
 def _jitter(testing: Clips, x: np.ndarray) -> float:

@@ -8,7 +8,6 @@ pose, the first pose, and the same network without its regulariser.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation import reconstruction as evaluated
@@ -35,13 +34,11 @@ def run(
     network: dict[str, int],
     seed: int = 0,
     progress: Callable[[TrainingState], None] | None = None,
-    models: Path | None = None,
 ) -> Result:
     """Train on each action with the regulariser and without.
 
     The schedule's weight λ is that of the regulariser; `seed` and `network` are those of
-    `train_study`. `progress` reports a training. The manifolds trained
-    with the regulariser are saved in the folder `models`, if any.
+    `train_study`. `progress` reports a training.
     """
 
     def train(action: Action, weight: float, name: str) -> Study:
@@ -52,10 +49,6 @@ def run(
     weights = {SLICED: schedule.weight, NONE: 0.0}
     trained = {n: [train(action, weight, n) for action in actions] for n, weight in weights.items()}
     studies = trained[SLICED]
-    if models is not None:
-        models.mkdir(parents=True, exist_ok=True)
-        for study in studies:
-            study.manifold.save(models / f"{study.action.name}.npz")
     parts = [
         figure_2(studies),
         reconstruction(studies, seed),

@@ -30,9 +30,10 @@ ONSETS = (0, 1, 2, 4, 8)
 """ONSETS: in so many frames at 30 a second."""
 TWIST, SPIKE = 50.0, (20.0, 60.0)
 """The angle of a twisted leg and the range of angles of spikes, in degrees."""
-JITTER, ROOT_JITTER = np.radians(1.5), 0.004
-"""Standard deviations of the rotation about each axis, in radians, and of the root's position, in
-metres."""
+JITTER = np.radians(1.5)
+"""JITTER: the standard deviation of the rotation about each axis (rad)."""
+ROOT_JITTER = 0.004
+"""ROOT_JITTER: the standard deviation of the root's position (m)."""
 LONG = (1.0, 2.0)
 """LONG: the range of the length of damage as in StableMotion (s)."""
 NOISE, MOST_NOISE = 0.1, 0.5
@@ -176,11 +177,6 @@ def jitter_of_some(motion: Motion, rng: Rng) -> Damaged:
         noise = NOISE * rng.uniform(0.5, 1.0) * rng.normal(size=q.shape)
         q += noise.clip(-MOST_NOISE, MOST_NOISE)
         rotations[frames, rig[joint]] = q / np.linalg.norm(q, axis=-1, keepdims=True)
-    return _rotated(motion, rotations, frames)
-
-
-def _rotated(motion: Motion, rotations: np.ndarray, frames: slice) -> Damaged:
-    """The motion with other rotations in a stretch, where the joints that move are damaged."""
     damaged = replace(motion, rotations=rotations)
     off = np.linalg.norm(body_positions(damaged) - body_positions(motion), axis=-1)
     wrong = [name for name, of in zip(JOINTS, off.T, strict=True) if of[frames].max() > WRONG]

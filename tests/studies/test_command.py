@@ -84,9 +84,7 @@ def test_takes_of_the_training_are_refused(
     assert not (tmp_path / "out").exists()
 
 
-def test_the_study_of_sequences_has_claims_pictures_and_models(
-    folder, tmp_path, capsys, monkeypatch
-):
+def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys, monkeypatch):
     for module, name, fewer in (
         (reconstruction, "PCA_CLIPS", 200),
         (samples, "SAMPLES", 20),
@@ -94,7 +92,7 @@ def test_the_study_of_sequences_has_claims_pictures_and_models(
     ):
         monkeypatch.setattr(module, name, fewer)
     out = tmp_path / "out"
-    words = ["--data", folder, "-o", out, "--models", out, *TINY]
+    words = ["--data", folder, "-o", out, *TINY]
     assert run("sequences", *words) == 0
     printed, report = capsys.readouterr(), (out / "report.md").read_text(encoding="utf-8")
     action = folder.name
