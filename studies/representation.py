@@ -127,17 +127,22 @@ def constraints(manifold: MotionManifold, takes: list[np.ndarray]) -> Result:
         validity = Validity.mean([*map(measure.of, clips)])
         rows.append([name, np.mean(errors), manifold.rate * np.mean(slides), *astuple(validity)])
     header = ["motion", "position, cm", "standing feet, cm/s", *Validity.HEADER]
+    table = Table("", header, rows, ("", ".2f", ".1f", *Validity.FORMATS[1:]))
+    return Result("", [table], _claims_of_constraints(rows))
+
+
+def _claims_of_constraints(rows: list[list]) -> list[Claim]:
+    """What a projection lacks, and what constraints cost, from the rows of the table."""
     true, plain, before, kept = (Validity(*row[3:]) for row in rows)
     worse = plain.bone_length > true.bone_length and plain.foot_sliding > true.foot_sliding
     (error, slide), (kept_error, kept_slide) = (row[1:3] for row in rows[2:])
     held = kept.bone_length < MOST_OFF and kept_slide <= slide / 5 and kept_error <= error
     figures = f"bones {kept.bone_length:.1e} cm off, {before.bone_length:.2f} before; standing "
     figures += f"feet {kept_slide:.1f} cm/s, {slide:.1f} before; position {kept_error:.2f} cm, "
-    claims = [
+    return [
         Claim("no_guarantee", worse, f"{plain.against(true)} of the true motion."),
         Claim("constraints_kept", bool(held), f"{figures}{error:.2f} before."),
     ]
-    return Result("", [Table("", header, rows, ("", ".2f", ".1f", *Validity.FORMATS[1:]))], claims)
 
 
 def _sliding(features: np.ndarray, stands: np.ndarray) -> float:
