@@ -46,14 +46,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     testing, sample = testing_of(manifold, material)
     rng = np.random.default_rng(seed)
     seen = seen_windows(testing, rng)
-    training = clips_of(manifold, [take.positions for take in material.training])
-    x = training.evenly(TRAINING_WINDOWS).x
-    pca = PCA.fit(x.reshape(len(x), -1))
-    filtered = [gaussian_filter1d(seen, sigma, axis=1, mode="nearest") for sigma in SIGMAS]
-    simple = {
-        "Gaussian filter over time": min(map(testing.error, filtered)),
-        "PCA on windows": min(testing.error(pca.project(seen, axes)) for axes in pca.sizes),
-    }
+    simple = simple_errors(manifold, material, testing, seen)
     projected = manifold.network.project(seen)
     errors = {SEEN: testing.error(seen), **simple, NETWORK: testing.error(projected)}
     best = min(simple, key=lambda name: errors[name])
@@ -74,6 +67,20 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         {"kinect": moving(drawn, manifold.rate)},
         sample,
     )
+
+
+def simple_errors(
+    manifold: MotionManifold, material: Material, testing: Clips, seen: np.ndarray
+) -> dict[str, float]:
+    """The errors, cm, of the best filter over time and of PCA of the training takes."""
+    training = clips_of(manifold, [take.positions for take in material.training])
+    x = training.evenly(TRAINING_WINDOWS).x
+    pca = PCA.fit(x.reshape(len(x), -1))
+    filtered = [gaussian_filter1d(seen, sigma, axis=1, mode="nearest") for sigma in SIGMAS]
+    return {
+        "Gaussian filter over time": min(map(testing.error, filtered)),
+        "PCA on windows": min(testing.error(pca.project(seen, axes)) for axes in pca.sizes),
+    }
 
 
 def seen_windows(clips: Clips, rng: np.random.Generator) -> np.ndarray:
