@@ -56,11 +56,11 @@ def cubic(case: Case, rng: np.random.Generator, made: dict) -> Recorded:
 
 
 def matrix_arguments(case: Case) -> dict[str, object]:
-    """A matrix with a wrong pullback, and vectors for which the gap is not 0."""
+    """A matrix with a wrong pullback, and arrays of two axes for which the gap is not 0."""
     rng = case.rng()
     a = spread(rng, (case["rows"], case["columns"]))
-    x = spread(rng, a.shape[1:]) + 3.0
-    y = spread(rng, a.shape[:1]) + 3.0
+    x = spread(rng, (case["columns"], 2)) + 3.0
+    y = spread(rng, (case["rows"], 2)) + 3.0
     return {"f": Matrix(a, a + 1), "x": x, "y": y}
 
 
