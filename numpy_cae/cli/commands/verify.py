@@ -53,6 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         add(f"--{name}-limit", **limit, help=f"{name} for one function at most (default: {most:g})")
     add("--csv", **file, help="table of marks to write, a row for each student, with statistics")
     add("--roster", **file, help="table of the students, from Moodle or Canvas (with --csv)")
+    add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")
     add("--similar", **arguments.FLAG, help="list pairs that are alike, which proves nothing")
     add("--feedback", **arguments.FOLDER, help="write each student's reports to this folder")
 
@@ -69,8 +70,8 @@ def run(args: argparse.Namespace) -> int:
             missing = [path for path in args.files if not path.exists()]
             problem = "there is no such file" if missing else "no Python file and no notebook"
             raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
-        if args.roster and not args.csv:
-            raise ValueError("--roster is about the table of --csv FILE")
+        if (args.roster or args.late) and not args.csv:
+            raise ValueError("--roster and --late are about the table of --csv FILE")
         return _graded(args, files)
 
 
@@ -81,7 +82,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     from numpy_cae.course.marks.class_marks import ClassMarks
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
-    marks = ClassMarks.read(files, args.roster)
+    marks = ClassMarks.read(files, args.roster, args.late)
     limits = (args.time_limit, int(args.memory_limit))
 
     def graded_file(file) -> FileReport:

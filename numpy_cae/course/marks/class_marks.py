@@ -8,7 +8,7 @@ from pathlib import Path
 from numpy_cae.course.marks import feedback, tables
 from numpy_cae.course.marks.handed_in import HandedIn
 from numpy_cae.course.marks.matching import Matching, match
-from numpy_cae.course.marks.roster import Roster, read_roster
+from numpy_cae.course.marks.roster import Roster, decoded, read_roster, squashed
 from numpy_cae.course.marks.similar import similar_pairs
 from numpy_cae.verify.grading.student_file import FileReport
 from numpy_cae.verify.grading.submission import read_submission
@@ -22,13 +22,22 @@ class ClassMarks:
     files: Sequence[HandedIn]
     roster: Roster | None
     matching: Matching
+    late: frozenset[Path]
 
     @classmethod
-    def read(cls, files: Sequence[HandedIn], roster: Path | None):
-        """Read the roster; a ValueError says what is wrong with it."""
+    def read(cls, files: Sequence[HandedIn], roster: Path | None, late: Path | None):
+        """Read the roster and the list of who was late; a ValueError says what is wrong."""
         everyone = read_roster(roster) if roster else None
         matching = match(files, everyone) if everyone else Matching({}, {}, ())
-        return cls(files, everyone, matching)
+        listed = decoded(late.read_bytes())[0].splitlines() if late else []
+        names = {squashed(line) for line in listed} - {""}
+        are_late = (
+            each.path
+            for each in files
+            if each.is_late
+            or names & {squashed(n) for n in (*each.called, matching.key(each.student))}
+        )
+        return cls(files, everyone, matching, frozenset(are_late))
 
     def lines(self, graded: Sequence[FileReport]) -> Iterator[str]:
         """Who was matched by what, and the points of each file."""
@@ -55,8 +64,7 @@ class ClassMarks:
 
         Raises a ValueError in place of that file if most submissions or most rows have no match.
         """
-        late = {each.path for each in self.files if each.is_late}
-        table = tables.write_tables(path, self._by_student(graded), self.roster, late)
+        table = tables.write_tables(path, self._by_student(graded), self.roster, self.late)
         if self.roster is None:
             return
         imported = path.with_stem(f"{path.stem}_import")

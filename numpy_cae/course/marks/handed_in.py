@@ -17,6 +17,8 @@ from numpy_cae.course.copies import PACKAGED
 
 SUFFIXES = (".py", ".ipynb")
 ZIP = ".zip"
+MOST_FILES = 2000
+"""MOST_FILES: a zip file may hold so many files."""
 MOST_BYTES = 2**28
 """MOST_BYTES: the files of a zip file may have so many bytes together, unpacked."""
 DEEPEST = 2
@@ -111,7 +113,10 @@ def _unzipped(path: Path, into: Path) -> list[Found]:
     left = MOST_BYTES
     try:
         with zipfile.ZipFile(path) as packed:
-            for entry in packed.infolist():
+            entries = [each for each in packed.infolist() if not each.is_dir()]
+            if len(entries) > MOST_FILES:
+                raise ValueError(f"it holds more than {MOST_FILES} files")
+            for entry in entries:
                 parts = entry.filename.replace("\\", "/").split("/")
                 place = PurePosixPath(*(part for part in parts if part not in ("", ".", "..")))
                 if place.suffix not in (*SUFFIXES, ZIP):
