@@ -21,6 +21,7 @@ from numpy_cae.mocap import body_positions
 from numpy_cae.motion import cut_clips, draw_clips
 from numpy_cae.training import SequenceSchedule, TrainingState, unit_directions
 from studies.jang2018.actions import Action
+from studies.jang2018.mmd import MmdEngine
 
 CLIPS, DIRECTIONS = 1000, 128
 """Latent vectors, and directions, of one measurement of the discrepancy."""
@@ -62,10 +63,12 @@ def train_study(
     schedule: SequenceSchedule,
     seed: int = 0,
     report: Callable[[TrainingState], None] | None = None,
+    mmd: bool = False,
     **network,
 ) -> Study:
     """Train on one action and record the curve of held-out errors, only its start if λ = 0.
 
+    With `mmd` the regulariser is the maximum mean discrepancy of the codes from the prior.
     `network` are the arguments of `untrained_sequences` that describe the network.
     """
     rng = np.random.default_rng(seed)
@@ -95,7 +98,10 @@ def train_study(
             measure(step)
 
     measure(0)
+    if mmd:
+        manifold.network = MmdEngine(trained, None)
     train_on_sequences(manifold, action.training, schedule, rng, report_and_measure)
+    manifold.network = trained
     manifold.settings = {"seed": seed} | manifold.settings
     return Study(action, manifold, {name: np.array(values) for name, values in curve.items()})
 

@@ -10,8 +10,10 @@ from numpy_cae.evaluation import angle_distance, reconstruction
 from numpy_cae.evaluation.reconstruction import HELD, LINEAR, MEAN, NETWORK, SQUARED
 from numpy_cae.mocap import angles_of
 from numpy_cae.training import SequenceSchedule
+from numpy_cae.verify import check_property, properties_of
 from studies import sequences
 from studies.jang2018 import actions, curves, regulariser, samples, training
+from studies.jang2018.mmd import maximum_mean_discrepancy
 from studies.jang2018.samples import FITTED, PRIOR, REAL
 from studies.shared.render import png
 
@@ -90,15 +92,45 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
 
 def test_the_regulariser_with_and_without(studies, monkeypatch):
     monkeypatch.setattr(regulariser, "REPEATS", 1)
+    monkeypatch.setattr(regulariser, "SAMPLES", 20)
     action = studies[0].action
     free = training.train_study(action, replace(SHORT, weight=0.0), **SIZES)
     assert len(free.curve["steps"]) == 1 < len(studies[0].curve["steps"])
-    trained = {regulariser.SLICED: studies[:1], regulariser.NONE: [free]}
+    other = training.train_study(action, replace(SHORT, weight=0.1), mmd=True, **SIZES)
+    trained = {regulariser.SLICED: studies[:1], regulariser.MMD: [other], regulariser.NONE: [free]}
     result = regulariser.regulariser(trained)
     rows = {name: f"{action.name}: {name}" for name in trained}
     errors = {name: result.tables[0].value(row, "mean square") for name, row in rows.items()}
     assert errors == {name: each[0].squared_error() for name, each in trained.items()}
     assert result.claims[1].confirmed == (errors["sliced Wasserstein"] < errors["none, λ = 0"])
+    assert type(other.manifold.network) is type(free.manifold.network)
+
+
+MMD = properties_of(
+    maximum_mean_discrepancy,
+    {"z": "count size", "prior": "count size"},
+    sizes={"count": (2, 3, 7), "size": (1, 4)},
+    differentiable=["z"],
+)
+
+
+@pytest.mark.parametrize("held", MMD, ids=lambda held: held.name)
+def test_mmd_has_the_properties_of_an_operation(held):
+    check_property(held, maximum_mean_discrepancy)
+
+
+def test_mmd_is_the_sum_over_pairs():
+    z, prior = np.random.default_rng(0).normal(size=(2, 6, 3))
+
+    def mean(a, b, pairs):
+        d = [np.sum((a[i] - b[j]) ** 2) for i, j in pairs]
+        scales = [2 * 3 * s for s in (0.1, 0.2, 0.5, 1, 2, 5, 10)]
+        return np.mean([sum(c / (c + each) for c in scales) for each in d])
+
+    apart = [(i, j) for i in range(6) for j in range(6) if i != j]
+    every = [(i, j) for i in range(6) for j in range(6)]
+    expected = mean(z, z, apart) + mean(prior, prior, apart) - 2 * mean(z, prior, every)
+    assert maximum_mean_discrepancy(z, prior)[0] == pytest.approx(expected)
 
 
 def test_actions_are_split_by_person_or_by_pattern(data_folder, capsys):
