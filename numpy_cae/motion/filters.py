@@ -59,11 +59,14 @@ def smooth_curve(values: np.ndarray, rate: float) -> np.ndarray:
     cut_offs = CUT_OFFS_HERTZ[CUT_OFFS_HERTZ < HIGHEST_SHARE * rate]
     if len(values) < LEAST_FRAMES or len(cut_offs) < 2:
         return values
-    best, least, noise = values, np.inf, 0.0
+    best = values
+    least = np.inf
+    noise = 0.0
     # From the highest cut-off down, beginning with the one whose residual is the noise.
     first = min(int(np.searchsorted(cut_offs, NOISE_HERTZ)), len(cut_offs) - 1)
     for cut_off in cut_offs[[first, *range(len(cut_offs))]]:
-        filtered, gain = butterworth(values, cut_off, rate), gain_of(RESPONSE, cut_off / rate)
+        filtered = butterworth(values, cut_off, rate)
+        gain = gain_of(RESPONSE, cut_off / rate)
         residual = float(np.mean((filtered - values) ** 2))
         if noise == 0:  # the residual by the share of white noise that the filter removes
             noise = residual / float(np.mean((1 - gain) ** 2))

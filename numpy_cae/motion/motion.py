@@ -118,7 +118,8 @@ def depth_first(root: Joint, children: Mapping[Joint, list[Joint]]) -> list[Join
     >>> depth_first("hips", {"hips": ["spine", "leg"], "spine": ["head"]})
     ['hips', 'spine', 'head', 'leg']
     """
-    order, waiting = [], [root]
+    order = []
+    waiting = [root]
     while waiting:
         order.append(waiting.pop())
         waiting += reversed(children.get(order[-1], []))

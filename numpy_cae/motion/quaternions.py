@@ -73,7 +73,8 @@ def nearest(matrices: np.ndarray) -> np.ndarray:
     tr RᵀM is a quadratic form in the quaternion of R, whose maximum is the eigenvector of the
     largest eigenvalue (Horn 1987).
     """
-    m, t = matrices, np.trace(matrices, axis1=-2, axis2=-1)
+    m = matrices
+    t = np.trace(m, axis1=-2, axis2=-1)
     form = np.empty((*t.shape, 4, 4))
     form[..., :3, :3] = m + m.swapaxes(-1, -2) - t[..., None, None] * np.eye(3)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -110,7 +111,8 @@ def to_angles(order: str, q: np.ndarray) -> np.ndarray:
     c, d = q[:, 3] + q[:, j], sign * q[:, k] - q[:, i]
     middle = 2 * np.arctan2(np.hypot(c, d), np.hypot(a, b))
     total, difference = np.arctan2(b, a), np.arctan2(d, c)
-    low, high = middle < 1e-7, middle > np.pi - 1e-7
+    low = middle < 1e-7
+    high = middle > np.pi - 1e-7
     last = np.where(low | high, 0.0, total - difference)
     first = np.where(low, 2 * total, np.where(high, 2 * difference, total + difference))
     angles = np.stack([sign * first, middle - np.pi / 2, last], axis=1)

@@ -126,7 +126,8 @@ def holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_ever
 
 def _positions_with(body: Body, there: np.ndarray, start: Motion) -> np.ndarray:
     """The positions (F, 20, 3) of a body whose motion is `start` in the frames of a mask."""
-    motion, source = body.motion, body.motion.source_frames(RATE)
+    motion = body.motion
+    source = motion.source_frames(RATE)
     if source.dtype == int:  # frames are only dropped: no other pose changes
         positions = body.positions.copy()
         poses = np.flatnonzero(there[source])

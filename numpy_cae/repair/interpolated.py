@@ -48,7 +48,8 @@ def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.nd
             moved[frames, joint] |= finding.kind not in ROTATION_KINDS
     if missing.any():
         of_rig = unknown_channels(motion, missing)
-        turned, moved = turned | of_rig[0], moved | of_rig[1]
+        turned = turned | of_rig[0]
+        moved = moved | of_rig[1]
     return turned, moved & (np.ptp(motion.translations, axis=0).max(axis=-1) > 0)
 
 

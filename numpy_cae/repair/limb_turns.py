@@ -306,7 +306,8 @@ def _levels_of_model(
     strength = np.ones(holes.mask.shape)
     filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
     joint, child = rig_of(motion).joints[JOINTS.index(name) :][:2]
-    known, present = filled.rotations[hole], near.rotations[hole]
+    known = filled.rotations[hole]
+    present = near.rotations[hole]
     of_child = np.linalg.norm(_between(known[:, child], present[:, child], False), axis=1)
     difference = [_between(known[:, joint], present[:, joint], way) for way in (False, True)]
     levels = []

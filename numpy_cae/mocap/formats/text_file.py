@@ -83,7 +83,8 @@ class TextFile:
     def _blocks(self) -> Iterator[tuple[int, list[str]]]:
         """Blocks of about a megabyte, decoded one at a time: the number of the first line of each,
         and the texts of its lines."""
-        start, line = 0, 1
+        start = 0
+        line = 1
         while start < len(self.data):
             end = len(self.data)
             if end - start > MAX_LINE:
