@@ -128,7 +128,7 @@ def curves_of(motion: Motion) -> Iterator[Curve]:
     twenty, then translations of all."""
     skeleton = motion.skeleton
     size = body_size(motion)
-    levers = levers_of(skeleton)
+    levers = levers_of(skeleton.scaled(1 / size))
     rig = rig_of(motion)
     names = joint_names(motion)
     root = skeleton.path(rig.joints[0])
@@ -140,7 +140,7 @@ def curves_of(motion: Motion) -> Iterator[Curve]:
             # The last bone of a finger moves no joint.
             counts = values.shape[2] == 3 or joint in skeleton.parents or name in JOINTS
             if counts and change[joint] > STILL_METRES and joint not in rig.added:
-                lever = (levers[joint] if values.shape[2] == 4 else 1.0) / size
+                lever = levers[joint] if values.shape[2] == 4 else 1.0 / size
                 yield Curve(joint, name, values[:, joint], lever, motion.rate, joint in root)
 
 
