@@ -5,7 +5,7 @@ peak memory of the first process. Readers of the package index are timed if they
 install pybvh bvhio bvhtoolbox bvh`). A slope is that of a straight line through the larger sizes,
 logarithm of the time over logarithm of the size: 1 is linear.
 
-    python -m studies costs
+    python -m studies costs -o costs
 """
 
 import os
@@ -21,6 +21,7 @@ from importlib import import_module
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from data_synth import make_take, plan_takes, write_series
 from numpy_cae.cli.shared.output import note
@@ -28,7 +29,7 @@ from numpy_cae.fast import accelerate
 from numpy_cae.mocap import load_motion, write_bvh
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import Motion, Skeleton
-from studies.shared.result import Result, Table
+from studies.shared.result import Picture, Result, Table
 from studies.timing.torch_convolutional import FRAMES
 from studies.timing.torch_sequential import LATENT, step
 
@@ -67,7 +68,11 @@ def run() -> Result:
     rows = [_row(what, costs) for what, costs in grown.items()]
     header = ["size", "from", "to", "first, s", "last, s", "slope", "peak at the last, MB"]
     growth = Table("", header, rows, ("", "", "", ".3f", ".3f", ".2f", ".0f"))
-    return Result("Costs", [commands, speeds, growth])
+    pictures = {
+        f"growth_{what.split()[0]}": Picture(partial(_figure, what, costs))
+        for what, costs in grown.items()
+    }
+    return Result("Costs", [commands, speeds, growth], figures=pictures)
 
 
 def _cost(*words: object) -> tuple[float, float]:
@@ -178,3 +183,16 @@ def _slope(costs: Costs) -> float:
 def _row(what: str, costs: Costs) -> list[object]:
     first, *_, last = sorted(costs)
     return [what, first, last, costs[first][0], costs[last][0], _slope(costs), costs[last][1]]
+
+
+def _figure(what: str, costs: Costs) -> Figure:
+    """Seconds over size, both logarithmic, beside linear growth through the last size."""
+    sizes = sorted(costs)
+    seconds = [costs[size][0] for size in sizes]
+    figure = Figure(figsize=(6, 4), layout="constrained")
+    axes = figure.subplots()
+    axes.loglog(sizes, seconds, "o-", label=f"measured, slope {_slope(costs):.2f}")
+    axes.loglog(sizes, [seconds[-1] * size / sizes[-1] for size in sizes], "--", label="linear")
+    axes.set(xlabel=what, ylabel="processor seconds")
+    axes.legend()
+    return figure

@@ -12,6 +12,9 @@ def test_every_size_has_a_row_and_a_slope(monkeypatch):
     monkeypatch.setattr(costs, "READERS", {"missing": ""})
     monkeypatch.setattr(costs, "_cost", lambda *words: (2.0, 50.0))
     result = costs.run()
+    assert len(result.figures) == 5
+    for picture in result.figures.values():
+        assert len(picture.draw().axes[0].lines) == 2
     commands, readers, growth = result.tables
     assert commands.rows[1] == ["repair of 80 frames", 2.0, 50.0]
     assert readers.rows[0][0] == "numpy_cae" and readers.rows[0][1] > 0.1
