@@ -186,6 +186,7 @@ def test_only_what_is_repaired_or_accepted_is_applied(takes, tmp_path, capsys):
             assert main(words) == status
             assert (out.read_bytes() == clean.read_bytes()) == (status == 3)
     for text, message in (
+        ('[{"joint": "head", "joint": "hips", "frames": [3, 4]}]', "'joint' is twice"),
         ('[{"frames": [0, 9]}, {"joint": "lhand", "frames": [3, 4], "kind": "foot"}]', "entry 2"),
         ('[{"joint": "body", "frames": [0, 89], "kind": "T-pose"}]', "ends before the last frame"),
     ):

@@ -74,12 +74,23 @@ def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] |
 def _entries(path: Path) -> list:
     """The entries of a mask file."""
     try:
-        entries = json.loads(TextFile.read(path).data)
+        entries = json.loads(TextFile.read(path).data, object_pairs_hook=_once_each)
     except (json.JSONDecodeError, RecursionError) as error:
         raise MotionFileError(path, getattr(error, "lineno", None), f"not JSON: {error}") from None
+    except ValueError as error:
+        raise MotionFileError(path, None, str(error)) from None
     if not isinstance(entries, list):
         raise MotionFileError(path, None, f"expected a list such as {EXAMPLE}")
     return entries
+
+
+def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object; ValueError if a key is in it twice."""
+    entry = dict(pairs)
+    if len(entry) < len(pairs):
+        twice = next(key for key in entry if [name for name, _ in pairs].count(key) > 1)
+        raise ValueError(f"{twice!r} is twice in one entry")
+    return entry
 
 
 def _findings_of(entry: Any, motion: Motion) -> list[Finding]:
