@@ -9,12 +9,12 @@ checksum when it is used or downloaded again. A teacher can give students this f
 columns, the name of a file of the database and its checksum.
 """
 
-import io
 import re
 import time
 from collections.abc import Sequence
+from multiprocessing import TimeoutError as RanOut
+from multiprocessing.pool import ThreadPool
 from pathlib import Path
-from typing import Any
 
 from numpy_cae.errors import NumpyCaeError
 
@@ -28,6 +28,9 @@ PATIENCE = 60.0
 """PATIENCE: a download ends with an error if nothing arrives for this time (s)."""
 MOST_BYTES = 100_000_000
 """MOST_BYTES: or if a file or a page has more bytes than this."""
+MOST_SECONDS = 1000.0
+"""MOST_SECONDS: or if it takes longer (s): the largest file at 100 kB a second."""
+PART_BYTES = 2**20
 TERMS = """\
 mocap.cs.cmu.edu says: "This data is free for use in research projects. You may include this data
 in commercially-sold products, but you may not resell this data directly, even in converted form."
@@ -107,21 +110,25 @@ def _download(url: str, output: str, registry: object) -> None:
 
 
 def _received(url: str) -> bytes:
-    import pooch
+    """What is at an address; OSError or ValueError where it takes too long or is too large."""
+    with ThreadPool(1) as threads:  # a thread that still downloads is not waited for
+        try:
+            return threads.apply_async(_read, (url,)).get(MOST_SECONDS)
+        except RanOut:
+            raise OSError(f"{url}: not complete after {MOST_SECONDS:g} s") from None
 
-    answer = _Limited()
-    pooch.HTTPDownloader(timeout=PATIENCE)(url, answer, None)
-    return answer.getvalue()
 
+def _read(url: str) -> bytes:
+    import requests  # which pooch needs
 
-class _Limited(io.BytesIO):
-    """Memory for a download of limited size."""
-
-    def write(self, part: Any) -> int:
-        """Write a part; ValueError if the download is too large."""
-        if self.tell() + len(part) > MOST_BYTES:
-            raise ValueError(f"a file or a page has more than {MOST_BYTES} bytes")
-        return super().write(part)
+    received = b""
+    with requests.get(url, timeout=PATIENCE, stream=True) as answer:
+        answer.raise_for_status()
+        for part in answer.iter_content(PART_BYTES):
+            received += part
+            if len(received) > MOST_BYTES:
+                raise ValueError(f"a file or a page has more than {MOST_BYTES} bytes")
+    return received
 
 
 def _read_checksums(path: Path) -> dict[str, str]:

@@ -20,6 +20,7 @@ from numpy_cae.course.marks.roster import read_roster
 from numpy_cae.course.marks.tables import write_tables
 from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.student_file import FileReport, grade
+from numpy_cae.visible import visible
 
 ANSWERS = Path(__file__).with_name("answers.txt").read_text("utf-8")
 ENCODE, TANH, SPEEDS, LOOPS, WRONG, OWN_CONV1D = ANSWERS.split("\n\n\n")
@@ -188,7 +189,7 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     export, encoding, names = DATA["systems"][system]
     submitted, table, roster = (tmp_path / name for name in ("in", "marks.csv", "class.csv"))
     roster.write_bytes("\n".join([*export, ""]).encode(encoding))
-    ann, sid, bob = (submitted / name for name in names)
+    ann, sid, bob = (submitted / os.fsdecode(name.encode()) for name in names)
     hand_in(ann, WRONG), hand_in(sid, TANH), hand_in(bob, LOOPS)
     late = tmp_path / "late.txt"
     late.write_text("Ann Löwe\n", encoding="utf-8")
@@ -199,7 +200,8 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     of_ann, of_zoe, of_sid = read_roster(roster).students
     rows = read_roster(table).students
     assert list(rows)[:4] == ["maximum", of_ann, of_zoe, of_sid] and len(rows) == 5
-    expected = f"{ann.name} has no points; lesson 05 missing; {ann.name} late"
+    shown = visible(ann.name)
+    expected = f"{shown} has no points; lesson 05 missing; {shown} late"
     assert rows[of_ann]["problems"] == expected
     assert rows[of_zoe]["problems"] == "nothing handed in"
     assert "not in the roster" in [*rows.values()][4]["problems"]

@@ -15,6 +15,7 @@ from numpy_cae.mocap import find_motion_files, load_motion
 pytest.importorskip("pooch", reason="needs the extra `download`")
 PAGE = b"""<A HREF="subjects/07/07.asf">asf</A> <a href="subjects/07/07_01.amc">amc</a>
 <A HREF="subjects/07/07_01.c3d">c3d</A> <a href="subjects/08/08_01.amc">of another subject</a>"""
+DOTS = b"." * 100
 
 
 class Handler(SimpleHTTPRequestHandler):
@@ -22,6 +23,14 @@ class Handler(SimpleHTTPRequestHandler):
 
     def log_message(self, *_):
         pass
+
+    def copyfile(self, source, outputfile):
+        """Send a file; one of dots a byte at a time."""
+        content = source.read()
+        size = 1 if content == DOTS else len(content)
+        for start in range(0, len(content), size):
+            outputfile.write(content[start : start + size])
+            threading.Event().wait(0.05 * (content == DOTS))
 
 
 @pytest.fixture
@@ -61,13 +70,15 @@ def test_a_subject_and_its_checksums(site, tmp_path, capsys, run, error_of):
 PORTAL = b"<html>Please log in</html>"
 WRONG = {"checksums": r"txt:1: '../../x.amc sha"}
 WRONG |= {"page": "07_01.amc: is a web page", "size": "more than 200 bytes"}
+WRONG |= {"time": "07_01.amc: not complete after 0.5 s"}
 
 
 @pytest.mark.parametrize("what", WRONG)
 def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
     folder, address = site
     (out := tmp_path / "cmu").mkdir()
-    (folder / "subjects" / "07" / "07_01.amc").write_bytes(PORTAL)
+    (folder / "subjects" / "07" / "07_01.amc").write_bytes(DOTS if what == "time" else PORTAL)
+    monkeypatch.setattr(cmu, "MOST_SECONDS", 0.5 if what == "time" else 100.0)
     if what == "checksums":
         (out / "checksums.txt").write_text(
             "../../x.amc sha256:" + 64 * "0" + " http://127.0.0.1/x.amc"

@@ -1,5 +1,6 @@
 """A file of feedback for each student."""
 
+import os
 import re
 import textwrap
 from collections import Counter
@@ -36,6 +37,7 @@ def write_feedback(folder: Path, of_students: Mapping[str, Sequence[FileReport]]
         safe = re.sub(r"[^\w-]", "_", student)[:LONGEST_NAME]
         # No safe name has a dot, so that one with a number is nobody else's.
         is_unique = safe == student and counts[student.casefold()] == 1
-        name = safe if is_unique else f"{safe}.{number}"
-        with atomic_write(folder / f"{name}.md") as temporary:
+        name = f"{safe}.md" if is_unique else f"{safe}.{number}.md"
+        file_name = os.fsdecode(name.encode("utf-8", "surrogateescape"))  # UTF-8 in every locale
+        with atomic_write(folder / file_name) as temporary:
             temporary.write_text(visible("\n".join(lines)), encoding="utf-8")

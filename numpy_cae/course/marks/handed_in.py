@@ -6,6 +6,7 @@ submitted/ann/week3/03_convolution_by_hand.ipynb                                
 submitted/ann_03.ipynb, 03_ann.ipynb, ann.ipynb
 """
 
+import os
 import re
 import zipfile
 from collections.abc import Iterator
@@ -52,12 +53,12 @@ class HandedIn:
 def find_files(path: Path, unpacked: Path) -> Iterator[HandedIn]:
     """The files below a path; what is in a zip file is written to the folder `unpacked`."""
     is_class = path.is_dir() or path.suffix == ZIP
-    found = list(_inside(path, unpacked)) if is_class else [(path, PurePosixPath(path.name), "")]
+    found = list(_inside(path, unpacked)) if is_class else [(path, _place(path.name), "")]
     of_one = any(len(place.parts) == 1 and _is_lesson(place.stem) for _, place, _ in found)
     for file, place, fault in found:
         is_linked = is_class and file.is_symlink()
         fault = fault or "it is a link to another file" * is_linked
-        yield handed_in(file, place, path.stem if of_one and is_class else "", fault)
+        yield handed_in(file, place, _place(path.stem).name if of_one and is_class else "", fault)
 
 
 def handed_in(file: Path, place: PurePosixPath, student: str = "", fault: str = "") -> HandedIn:
@@ -79,6 +80,12 @@ def handed_in(file: Path, place: PurePosixPath, student: str = "", fault: str = 
     return HandedIn(file, student, (student,), _lesson(name), fault=fault)
 
 
+def _place(path: str | Path) -> PurePosixPath:
+    """A path as text: names of files are UTF-8 even where the locale has another encoding."""
+    text = os.fsencode(path).decode("utf-8", "surrogateescape")
+    return PurePosixPath(text.replace(os.sep, "/"))
+
+
 def _is_lesson(stem: str) -> bool:
     return COPY.sub("", stem) in OWN_NAMES
 
@@ -93,7 +100,7 @@ def _inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[Found]:
     """Each file in a folder or a zip file; hidden folders and every mine.py are left out."""
     if path.is_dir():
         every = sorted(path.rglob("*"))
-        files = [(each, PurePosixPath(each.relative_to(path).as_posix()), "") for each in every]
+        files = [(each, _place(each.relative_to(path)), "") for each in every]
     else:
         files = _unzipped(path, unpacked)
     for file, place, fault in files:
@@ -128,8 +135,9 @@ def _unzipped(path: Path, into: Path) -> list[Found]:
                     raise ValueError(f"its files are larger than {MOST_BYTES // 2**20} MB")
                 folder = into / str(len(list(into.iterdir())))
                 folder.mkdir()
-                (folder / place.name).write_bytes(content)
-                files.append((folder / place.name, place, ""))
+                file_name = os.fsdecode(place.name.encode("utf-8", "surrogateescape"))
+                (folder / file_name).write_bytes(content)
+                files.append((folder / file_name, place, ""))
     except (ValueError, OSError, RuntimeError, NotImplementedError, zipfile.BadZipFile) as error:
-        return [(path, PurePosixPath(path.name), f"the zip file is not opened: {error}")]
+        return [(path, _place(path.name), f"the zip file is not opened: {error}")]
     return files
