@@ -2,9 +2,12 @@
 
 x = "batch frames channels"                    an array of these sizes
 x = {array = "batch frames", within = 1.3}     with entries between -1.3 and 1.3
-x = {uniform = "batch frames", within = 0.5}   the same; many entries are uniform numbers
+x = {array = "batch", within = 1.3, around = 2} with entries between 0.7 and 3.3
+x = {uniform = "batch frames", within = 0.5}   between -0.5 and 0.5; many are uniform numbers
+known = {half = "batch frames"}                booleans, half of them True, or one more
 taps = {size = "taps"}                         a size
-rate = {by = "frame_rate"}                     a function of (case, rng, arguments so far)
+loss = {recorded = "LOSS"}                     the function of this text, which records its calls
+q = {by = "some_joint"}                        a function of (case, rng, arguments so far)
 bound = 0.9                                    a value
 """
 
@@ -12,6 +15,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from numpy_cae.course.exercises.checks import Recorded
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import shape_of
 
@@ -20,8 +24,8 @@ SMALL = 8
 """SMALL: arrays of at most so many entries are short to write down."""
 
 
-def drawn(entries: Mapping[str, object], space: Mapping[str, Callable]) -> Arguments:
-    """Arguments in the order of the call; `space` has the functions that the entries name."""
+def drawn(entries: Mapping[str, object], space: Mapping[str, object]) -> Arguments:
+    """Arguments in the order of the call; `space` has what the entries name."""
 
     def arguments(case: Case) -> dict[str, object]:
         rng = case.rng()
@@ -40,11 +44,16 @@ def _drawn(
         case str(sizes):
             return spread(rng, shape_of(case, sizes))
         case {"array": sizes, "within": largest}:
-            return spread(rng, shape_of(case, sizes), largest)
+            return spread(rng, shape_of(case, sizes), largest) + entry.get("around", 0.0)
+        case {"half": sizes}:
+            shape = shape_of(case, sizes)
+            return rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
         case {"uniform": sizes, "within": largest}:
             return uniform(rng, shape_of(case, sizes), largest)
         case {"size": name}:
             return case[name]
+        case {"recorded": name}:
+            return Recorded(space[name])
         case {"by": name}:
             return space[name](case, rng, made)
     return entry

@@ -70,6 +70,11 @@ class Differentiated:
                 what = "the value" if result is value else "a gradient"
                 raise Mismatch(DTYPE, what, f"given float32, {what} is {dtype}")
 
+    def upstream_default(self, function: Callable, case: Case, **given: object) -> None:
+        """Without an upstream gradient it is 1."""
+        _, pullback = self._call(function, given)
+        require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
+
     def _call(self, function: Callable, given: Mapping[str, object]) -> list:
         returned = require_parts(function(*given.values()), self.returns)
         if PULLBACK in self.returns and not callable(returned[1]):

@@ -117,7 +117,7 @@ class Stated:
             return on_copies(same_as(self.solution, returns, part))
         differentiated = Differentiated(self.solution, self.inputs, returns)
         if gradient is None:
-            return on_copies(getattr(differentiated, name))
+            return on_copies(getattr(differentiated, name.replace(" ", "_")))
         return on_copies(partial(differentiated.gradient, gradient.split()))
 
 

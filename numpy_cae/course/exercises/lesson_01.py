@@ -31,11 +31,6 @@ def some_angles(case: Case, rng: np.random.Generator, made: dict) -> tuple[float
     return tuple(float(angle) for angle in 90 * spread(rng, (case["channels"],)))
 
 
-def frame_rate(case: Case, rng: np.random.Generator, made: dict) -> float:
-    """Frames a second."""
-    return (30.0, 120.0)[case.seed % 2]
-
-
 def rotations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
     """A rotation of each joint in each frame, by quarter turns about the axes or by any angle."""
     from scipy.spatial.transform import Rotation

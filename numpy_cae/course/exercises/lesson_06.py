@@ -3,25 +3,15 @@
 import numpy as np
 
 from numpy_cae.course.exercises.arguments import uniform
-from numpy_cae.course.exercises.checks import Recorded, checks, require_parts, require_same
-from numpy_cae.verify.operations.case import Case, spread
+from numpy_cae.course.exercises.checks import checks, require_parts, require_same
+from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.property import require_equal
 
-P = 0.3
 LOSS = (
     "lambda x, corrupted, w, b: "
     "((((w - x.mean()) ** 2).sum() + (b**2).sum()) / 2, w - x.mean(), 1.0 * b)"
 )
 """LOSS: a loss with its gradients, as simple as it can be for `train_layer`."""
-
-
-def corruption_arguments(case: Case) -> dict[str, object]:
-    """Windows, and draws of which the share P is below P."""
-    rng = case.rng()
-    shape = (case["batch"], case["frames"], case["channels"])
-    count = int(np.prod(shape))
-    even = (np.arange(count) + 0.5) / count
-    return {"x": spread(rng, shape), "p": P, "draws": rng.permutation(even.reshape(shape))}
 
 
 def corrupted(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
@@ -34,13 +24,9 @@ def first_frames(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray
     return rng.random((case["batch"], case["frames"] // 2, case["filters"])) < 0.5
 
 
-def training_arguments(case: Case) -> dict[str, object]:
-    """A small training, whose loss records its calls."""
-    rng = case.rng()
-    windows = spread(rng, (case["windows"], 4, 5))
-    weights = {"w": spread(rng, (1, 5, 2)), "b": spread(rng, (2,))}
-    sizes = {"loss": Recorded(LOSS), "epochs": case["epochs"], "batch": case["batch"]}
-    return {"windows": windows, **weights, **sizes, "rate": 0.5, "decay": 0.7, "p": P, "rng": rng}
+def generator(case: Case, rng: np.random.Generator, made: dict) -> np.random.Generator:
+    """What draws the arguments."""
+    return rng
 
 
 def _epochs_of_calls(train_layer, given: dict) -> tuple[tuple, list[list]]:
@@ -80,8 +66,8 @@ def _corrupted_anew(train_layer, case, **given):
                 raise AssertionError("a window loses the same values in two epochs")
             lost.setdefault(window[0, 0], []).append(zeroed)
     share = np.mean([*lost.values()])
-    if abs(share - P) > 0.15:
-        raise AssertionError(f"p is {P}, but {share:.0%} of all values are zero")
+    if abs(share - given["p"]) > 0.15:
+        raise AssertionError(f"p is {given['p']}, but {share:.0%} of all values are zero")
 
 
 @checks("train_layer", "steps")

@@ -5,7 +5,7 @@ Repair with an unknown mask, filling in, comparing, and the linear map as a base
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Recorded, checks, require_same
+from numpy_cae.course.exercises.checks import checks, require_same
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.property import agrees
 
@@ -38,27 +38,9 @@ def moment_arguments(case: Case) -> dict[str, object]:
     return {"second": z.T @ z / len(z), "cross": z.T @ x / len(z), "kept": case["tenths"] / 10}
 
 
-def hole_arguments(case: Case) -> dict[str, object]:
-    """Windows, what is known of them, a projection and an interpolation, and how many rounds."""
-    rng = case.rng()
-    shape = (case["batch"], case["frames"], case["channels"])
-    known = rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
-    hole = {"x": spread(rng, shape), "known": known, "project": Recorded(BLURRED)}
-    return {**hole, "interpolate": Recorded(WITH_MEAN), "rounds": case["rounds"]}
-
-
-def hidden_arguments(case: Case) -> dict[str, object]:
-    """Hidden values of two motions."""
-    both = spread(case.rng(), (case["first"] + case["second"], case["units"]), 0.9)
-    return {"y_0": both[: case["first"]], "y_1": both[case["first"] :]}
-
-
-def ranking_arguments(case: Case) -> dict[str, object]:
-    """Distances of motions, and which are alike."""
-    rng = case.rng()
-    alike = np.arange(case["motions"]) < min(case["alike"], case["motions"])
-    distances = spread(rng, (case["motions"],)) + 3.0
-    return {"distances": distances, "alike": rng.permutation(alike)}
+def some_alike(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Which motions are alike."""
+    return rng.permutation(np.arange(case["motions"]) < case["alike"])
 
 
 @checks("complete", "known")

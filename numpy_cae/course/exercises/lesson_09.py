@@ -20,8 +20,3 @@ def clip_arguments(case: Case) -> dict[str, object]:
     gradients = [spread(rng, shape) * (case["quarters"] > 0) + 0.0 for shape in shapes]
     norm = float(np.sqrt(sum(np.sum(each**2) for each in gradients)))
     return {"gradients": gradients, "bound": case["quarters"] / 4 * norm or 1.0}
-
-
-def gate(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
-    """A gate, between 0.1 and 0.9."""
-    return 0.5 + spread(rng, (case["batch"], case["hidden"]), 0.4)

@@ -2,17 +2,13 @@
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import Recorded, checks, require_parts
+from numpy_cae.course.exercises.checks import checks, require_parts
 from numpy_cae.course.solutions.lesson_13 import block_matrices
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.property import require_equal
 
-
-def product_arguments(case: Case) -> dict[str, object]:
-    """The parts of two complex numbers, and a product that records its calls."""
-    numbers = dict(zip("abpq", spread(case.rng(), (4, case["numbers"])), strict=True))
-    return {**numbers, "multiply": Recorded("lambda a, b: a * b")}
+MULTIPLY = "lambda a, b: a * b"
 
 
 def block_arguments(case: Case) -> dict[str, object]:
@@ -51,21 +47,35 @@ def _checked_matrices(returned: object, taps: int, frames: int) -> list[np.ndarr
     return matrices
 
 
+def _require_part(matrices: list[np.ndarray], case: Case, frequencies: range) -> None:
+    """Raise unless C ((A x) ∘ (G w)) is what these frequencies add to the sum over taps."""
+    a, g, c = matrices
+    points = a.shape[1]
+    rng = case.rng()
+    x = spread(rng, (points,))
+    w = spread(rng, (case["taps"],))
+    spectrum = np.fft.rfft(x) * np.conj(np.fft.rfft(w, points))
+    spectrum[[f for f in range(len(spectrum)) if f not in frequencies]] = 0
+    expected = np.fft.irfft(spectrum, points)[: case["frames"]]
+    require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), expected)
+
+
+def _products(points: int, frequencies: range) -> int:
+    """Three products for a complex frequency and one for a real one."""
+    return sum(1 if 2 * f in (0, points) else 3 for f in frequencies)
+
+
 @checks("block_matrices", "value")
 def _convolves(function, case, taps, frames):
-    a, g, c = _checked_matrices(function(taps, frames), taps, frames)
-    rng = case.rng()
-    x = spread(rng, (frames + taps - 1,))
-    w = spread(rng, (taps,))
-    sums = [sum(x[t + k] * w[k] for k in range(taps)) for t in range(frames)]
-    require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), np.array(sums))
+    matrices = _checked_matrices(function(taps, frames), taps, frames)
+    _require_part(matrices, case, range(taps + frames))
 
 
 @checks("block_matrices", "few products")
 def _few_products(function, case, taps, frames):
     products = len(_checked_matrices(function(taps, frames), taps, frames)[0])
     points = frames + taps - 1
-    allowed = sum(1 if 2 * f in (0, points) else 3 for f in range(points // 2 + 1))
+    allowed = _products(points, range(points // 2 + 1))
     if products > allowed:
         raise AssertionError(
             f"{products} products for N = {points} points; three for a complex frequency and one "
@@ -75,20 +85,13 @@ def _few_products(function, case, taps, frames):
 
 @checks("one_frequency", "value")
 def _part_of_the_sum(function, case, frequency, taps, frames):
-    points = frames + taps - 1
-    a, g, c = _checked_matrices(function(frequency, taps, frames), taps, frames)
-    rng = case.rng()
-    x = spread(rng, (points,))
-    w = spread(rng, (taps,))
-    spectrum = np.fft.fft(x) * np.conj(np.fft.fft(w, points))
-    spectrum[[f for f in range(points) if f not in (frequency, points - frequency)]] = 0
-    expected = np.fft.ifft(spectrum).real[:frames]
-    require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), expected)
+    matrices = _checked_matrices(function(frequency, taps, frames), taps, frames)
+    _require_part(matrices, case, range(frequency, frequency + 1))
 
 
 @checks("one_frequency", "few products")
 def _one_or_three(function, case, frequency, taps, frames):
-    expected = 1 if 2 * frequency in (0, frames + taps - 1) else 3
+    expected = _products(frames + taps - 1, range(frequency, frequency + 1))
     products = len(_checked_matrices(function(frequency, taps, frames), taps, frames)[0])
     if products != expected:
         raise AssertionError(f"A has {products} rows, expected {expected}")
