@@ -200,8 +200,7 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     of_ann, of_zoe, of_sid = read_roster(roster).students
     rows = read_roster(table).students
     assert list(rows)[:4] == ["maximum", of_ann, of_zoe, of_sid] and len(rows) == 5
-    shown = visible(ann.name)
-    expected = f"{shown} has no points; lesson 05 missing; {shown} late"
+    expected = f"{visible(ann.name)} has no points; lesson 05 missing; {visible(ann.name)} late"
     assert rows[of_ann]["problems"] == expected
     assert rows[of_zoe]["problems"] == "nothing handed in"
     assert "not in the roster" in [*rows.values()][4]["problems"]

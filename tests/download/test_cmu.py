@@ -15,7 +15,6 @@ from numpy_cae.mocap import find_motion_files, load_motion
 pytest.importorskip("pooch", reason="needs the extra `download`")
 PAGE = b"""<A HREF="subjects/07/07.asf">asf</A> <a href="subjects/07/07_01.amc">amc</a>
 <A HREF="subjects/07/07_01.c3d">c3d</A> <a href="subjects/08/08_01.amc">of another subject</a>"""
-DOTS = b"." * 100
 
 
 class Handler(SimpleHTTPRequestHandler):
@@ -25,12 +24,10 @@ class Handler(SimpleHTTPRequestHandler):
         pass
 
     def copyfile(self, source, outputfile):
-        """Send a file; one of dots a byte at a time."""
-        content = source.read()
-        size = 1 if content == DOTS else len(content)
-        for start in range(0, len(content), size):
-            outputfile.write(content[start : start + size])
-            threading.Event().wait(0.05 * (content == DOTS))
+        """Send a file line by line, slowly where a line is a dot."""
+        for line in source:
+            outputfile.write(line)
+            threading.Event().wait(0.05 * (line == b".\n"))
 
 
 @pytest.fixture
@@ -77,7 +74,9 @@ WRONG |= {"time": "07_01.amc: not complete after 0.5 s"}
 def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
     folder, address = site
     (out := tmp_path / "cmu").mkdir()
-    (folder / "subjects" / "07" / "07_01.amc").write_bytes(DOTS if what == "time" else PORTAL)
+    (folder / "subjects" / "07" / "07_01.amc").write_bytes(
+        b".\n" * 100 if what == "time" else PORTAL
+    )
     monkeypatch.setattr(cmu, "MOST_SECONDS", 0.5 if what == "time" else 100.0)
     if what == "checksums":
         (out / "checksums.txt").write_text(

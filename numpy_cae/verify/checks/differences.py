@@ -102,7 +102,7 @@ class Argument:
         also to what all entries contribute to the slope.
         """
         verdict = self._judged(direction)
-        if verdict.kind == WRONG and self.epsilon < SINGLE and self.is_computed_in_float32():
+        if verdict.kind != AGREES and self.epsilon < SINGLE and self.is_computed_in_float32():
             tolerance = max(self.tolerance, SINGLE_TOLERANCE)
             return replace(self, epsilon=SINGLE, tolerance=tolerance)._judged(direction)
         return verdict
