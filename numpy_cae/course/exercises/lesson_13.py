@@ -17,17 +17,6 @@ def block_arguments(case: Case) -> dict[str, object]:
     return {**OPERATIONS["conv1d"].arguments(case), **dict(matrices)}
 
 
-@checks("three_products", "value")
-def _complex_product(function, case, a, b, p, q, multiply):
-    returned = function(a, b, p, q, multiply)
-    real, imaginary = require_parts(returned, ("real", "imaginary"))
-    expected = (a + 1j * b) * (p + 1j * q)
-    require_equal("the real part", real, expected.real)
-    require_equal("the imaginary part", imaginary, expected.imag)
-    if not multiply.calls:
-        raise AssertionError("multiply is never called: use it for every product")
-
-
 @checks("three_products", "three")
 def _three_calls(function, case, a, b, p, q, multiply):
     function(a, b, p, q, multiply)

@@ -161,18 +161,16 @@ def check_property(stated: Property, function: Callable, crashes: set[str] | Non
         raise AssertionError("\n".join(filter(None, message)))
 
 
-def failure(tried: Property, implementation: Callable, case: Case) -> Exception | None:
+def failure(tried: Property, implementation: Callable, case: Case) -> BaseException | None:
     """The error that a check raises in a case, or None."""
     try:
         tried.check(implementation, case)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return error
-    except SystemExit:
-        return RuntimeError("it calls sys.exit")
     return None
 
 
-def _described(tried: Property, case: Case, last: Recorder, error: Exception) -> Iterator[str]:
+def _described(tried: Property, case: Case, last: Recorder, error: BaseException) -> Iterator[str]:
     """The arguments of the last call, and what it should return; or the call of `example`."""
     shown = tried.arguments(case)
     upstreams = last.upstreams
