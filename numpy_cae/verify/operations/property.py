@@ -4,7 +4,7 @@ A check compares what an implementation returns with what it should return. The 
 operations are in `shared_properties`, the properties of single ones in `single_properties`.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -275,14 +275,15 @@ def compared(operation: Operation, implementation: Callable, case: Case) -> Pair
     arguments = operation.arguments(case)
     given = copies(arguments)
     dy, right = right_results(operation, case, arguments)
+    upstream = copied(dy)
     allowed = rounding(case, arguments)
-    for what, result in results(operation, implementation, given, copied(dy)).items():
+    for what, result in results(operation, implementation, given, upstream).items():
         both = (operation.alike(arguments, one) for one in (result, right[what]))
         yield Pair(what, *both, allowed, operation.floor_of(dy))
-    for name, after in zip(arguments, given, strict=True):
-        yield unaltered(f"{name}, which must not be altered,", after, arguments[name])
+    yield from unaltered([*given, upstream], {**arguments, "the upstream gradient": dy})
 
 
-def unaltered(what: str, after, before) -> Pair:
-    """The comparison of an array after a call with its copy."""
-    return Pair(what, 1 * after, 1 * before, 0, None, ALTERED)
+def unaltered(given: Iterable, before: Mapping[str, object], by: str = "function") -> Pairs:
+    """The comparison of what a function was given with copies, by name."""
+    for (name, was), after in zip(before.items(), given, strict=True):
+        yield Pair(f"{name}, which the {by} must not alter,", 1 * after, 1 * was, 0, None, ALTERED)

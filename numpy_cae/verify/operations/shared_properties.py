@@ -30,6 +30,8 @@ POINTS = 2
 """POINTS: of the value and of each gradient; every other property has one point."""
 VALUE = "the value is that of the definition, loop by loop"
 LAYOUT = {"layout": tuple(LAYOUTS)}
+WRITABLE = {"layout": tuple(LAYOUTS)[:-2]}
+"""WRITABLE: the layouts in which a function can alter what it is given."""
 ALIKE_IN_SIZE = {"values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")}
 """Classes whose entries are of similar size, so that rounding of large ones hides no small one."""
 
@@ -118,7 +120,8 @@ def _adjoint(argument: str, operation: Operation, implementation: Callable, case
     x = arguments[argument]
     at_zero = np.copy(implementation(*copies({**arguments, argument: np.zeros_like(x)}))[0])
     dy = comparing.drawn_upstream(case, at_zero)
-    every = comparing.results(operation, implementation, copies(arguments), dy)
+    given = copies(arguments)
+    every = comparing.results(operation, implementation, given, comparing.copied(dy))
     pulled = every[f"the gradient for {argument}"]
     value = every["the value"] - at_zero
     if max(np.max(np.abs(value)), np.max(np.abs(pulled))) > comparing.EXACT:  # or its terms cancel
@@ -245,21 +248,14 @@ def _purity(operation: Operation, implementation: Callable, case: Case) -> Pairs
     layout = _layout(operation, case)
     arguments = operation.arguments(case)
     given = copies(arguments, layout)
-    before = copies(dict(zip(arguments, given, strict=True)))
-
-    def arguments_after(call: str) -> Pairs:
-        for name, after, was in zip(arguments, given, before, strict=True):
-            yield comparing.unaltered(f"{name}, which the {call} must not alter,", after, was)
-
     called = _Called(operation, implementation, case, given)
-    yield from arguments_after("call")
+    yield from comparing.unaltered(given, arguments, "call")
     for layout_of_dy in (layout, np.ndarray.copy):
         dy = layout_of_dy(called.dy) if np.ndim(called.dy) else called.dy
-        before_call = np.copy(dy)
+        before = {"the upstream gradient": np.copy(dy)}
         called.pullback(dy)
-        what = "the upstream gradient, which the pullback must not alter,"
-        yield comparing.unaltered(what, dy, before_call)
-        yield from arguments_after("pullback")
+        yield from comparing.unaltered([dy], before, "pullback")
+        yield from comparing.unaltered(given, arguments, "pullback")
 
 
 def _independence(operation: Operation, implementation: Callable, case: Case) -> Pairs:
@@ -270,10 +266,12 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
     call = partial(_Called, operation, implementation)
     another = Case(case.sizes, case.seed + 1)
     others = operation.arguments(another)
-    given = copies(operation.arguments(case), _layout(operation, case))
+    arguments = operation.arguments(case)
+    layout = _layout(operation, case)
+    given = copies(arguments, layout)
     alone = call(case, given)
     right = alone.kept()
-    first = call(case, given)
+    first = call(case, copies(arguments, layout))
     second = call(another, copies(others))
     gradients = first.gradients()
     for _ in range(0 if case.seed % 4 else FURTHER_CALLS):
@@ -286,15 +284,14 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
     for called, expected in ((first, right), (second, second_right)):
         for name, gradient in called.gradients().items():
             yield _again(f"called again, the gradient for {name}", gradient, expected[name])
-    if case.get("layout") not in ("read-only", "broadcast"):
-        implementation(*given)
-        given = [_filled(*both) for both in zip(given, others.values(), strict=True)]
-        again = comparing.results(operation, implementation, given, comparing.copied(second.dy))
-        expected = [second.right_value, *second_right.values()]
-        for (what, result), other in zip(again.items(), expected, strict=True):
-            yield _again(f"of the same arrays with other numbers, {what}", result, other)
-        if not operation.drawn_by_caller:
-            yield _with_one_other_entry(operation, implementation, case, given)
+    implementation(*given)
+    given = [_filled(*both) for both in zip(given, others.values(), strict=True)]
+    again = comparing.results(operation, implementation, given, comparing.copied(second.dy))
+    expected = [second.right_value, *second_right.values()]
+    for (what, result), other in zip(again.items(), expected, strict=True):
+        yield _again(f"of the same arrays with other numbers, {what}", result, other)
+    if not operation.drawn_by_caller:
+        yield _with_one_other_entry(operation, implementation, case, given)
 
 
 def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> Pairs:
@@ -324,10 +321,10 @@ def _with_one_other_entry(
     array = given[list(arguments).index(name)]
     entry = case.seed // len(names) % array.size
     array.flat[entry] = arguments[name].flat[entry]
-    value = np.copy(implementation(*given)[0])
     known = operation.reference or operation.definition
-    right = operation.value if known else lambda *arrays: implementation(*arrays)[0]
+    right = operation.value if known else lambda *arrays: np.copy(implementation(*arrays)[0])
     expected = right(*copies(dict(enumerate(given))))
+    value = implementation(*given)[0]
     return _again(f"of the same arrays with one other entry of {name}, the value", value, expected)
 
 
@@ -375,7 +372,7 @@ SHARED = (
     ("linearity", LINEAR, _linearity, UPSTREAM, {}),
     ("strides", LAID_OUT, _strides, UPSTREAM | VIEWS, {"combined": ("layout", "of")}),
     ("dtype", PRECISE, _dtype, UPSTREAM | LAYOUT, {}),
-    ("purity", PURE, _purity, UPSTREAM | LAYOUT, {}),
-    ("independence", INDEPENDENT, _independence, UPSTREAM | LAYOUT, {}),
+    ("purity", PURE, _purity, UPSTREAM | WRITABLE, {}),
+    ("independence", INDEPENDENT, _independence, UPSTREAM | WRITABLE, {}),
 )
 """(name, statement, pairs, classes, other fields of the property)."""
