@@ -5,13 +5,16 @@ undamaged windows of training takes, missing values are estimated by their mean 
 
     E[z_u | z_o] = m_u + S_uo S_oo⁻¹ (z_o - m_o)
 
-where o are the known and u the unknown entries of z (`Gaussian.complete`). Where the mask is not
-given and a removed value is zero, the best linear map of z to the frame in its middle, x, is
+where o are the known and u the unknown entries of z, and S_oo, which may be singular, stands for
+S_oo + r I with r = `RIDGE` times the mean of all diagonal entries of S (`Gaussian.complete`). Where
+the mask is not given and a removed value is zero, the best linear map of z to the frame in its
+middle, x, is
 
     A = argmin E ‖x - (k ∘ z) A‖² = M⁻¹ B,
     M_ij = E[z_i z_j] (1 - p)²   (i ≠ j),   M_ii = E[z_i²] (1 - p),   B_ij = (1 - p) E[z_i x_j]
 
-for masks k that keep each value by itself with probability 1 - p (`Gaussian.linear_map`).
+for masks k that keep each value by itself with probability 1 - p, where M stands for M + r I, with
+r of the diagonal of M (`Gaussian.linear_map`).
 """
 
 from __future__ import annotations
@@ -28,7 +31,7 @@ TAPS = 15
 TOGETHER = 7
 """TOGETHER: the frames in the middle of a row that `Gaussian.complete` takes from it."""
 RIDGE = 3e-4
-"""RIDGE: this share of the mean of their diagonals is added to the diagonals of S and M. With 1e-6
+"""RIDGE: this share of the mean of the diagonal of S, or of M, is added to the diagonal. With 1e-6
 the Gaussian is a little better on takes like those it is fitted to, and four times worse on takes
 of another source (docs/lab_book/other_sources.md)."""
 

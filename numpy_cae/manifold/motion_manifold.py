@@ -185,10 +185,12 @@ class MotionManifold:
         Parameters
         ----------
         features : (F, 63) array of float
-            On the mean skeleton. What is unknown is ignored.
+            On the mean skeleton, F at least 1. What is unknown is ignored.
         known : (F, 63) array of bool, optional
             By default every value that is not exactly that of the mean pose: holden2015 sets lost
             values to zero, which is the mean pose, and a measured value is hardly ever equal to it.
+            Features whose mean is exactly zero are known in every frame: the hips' x and z in the
+            body's frame are always zero.
 
         Returns
         -------

@@ -37,6 +37,10 @@ def project_shifted(
     Pooling pairs frames (0, 1), (2, 3), …, so the projection of a motion shifted by one frame
     differs a little. The errors of the different shifts partly cancel in their mean.
 
+    S_s X has s frames of zeros before X and stride - s after it, as the convolution's own padding;
+    S_0 X is X. A clip is first lengthened by repeating its ends (`MotionManifold.padded`), and then
+    shifted as a whole.
+
     Normalised windows (B, T, C) give an array of that shape. Unless `average_shifts` it is the
     plain projection, s = 0.
     """
