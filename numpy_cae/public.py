@@ -14,7 +14,7 @@ from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap import load_motion as load
 from numpy_cae.mocap import save as save
-from numpy_cae.mocap.bodies import read_bodies
+from numpy_cae.mocap.bodies import Problem, read_body, read_each
 from numpy_cae.mocap.rigs.recognise import joint_index, rig_of
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import joint_mask
@@ -150,10 +150,10 @@ def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionMani
     """
     schedule = training.recipe(recipe)
     takes = []
-    for body in read_bodies(find_motion_files(folder)):
-        if body.problem is not None:
-            raise body.problem
-        takes.append(body.positions)
+    for body in read_each(find_motion_files(folder), read_body):
+        if isinstance(body, Problem):
+            raise body
+        takes.append(body[0])
     if not ipython.shell():
         return learn_manifold(takes, schedule, seed, report=training.ProgressPrinter())
     with viz.LiveCurve("loss of a step") as curve:

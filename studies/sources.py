@@ -18,11 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared.takes import each_usable
+from numpy_cae.cli.shared.takes import usable
 from numpy_cae.evaluation.clips import clips_of
 from numpy_cae.evaluation.half_removed import COMPLETED, GAUSSIAN, PCHIP, Repairs
 from numpy_cae.manifold import learn_manifold
-from numpy_cae.mocap import load_body
+from numpy_cae.mocap import find_motion_files
+from numpy_cae.mocap.bodies import read_body
 from numpy_cae.training import recipe
 from studies.repair_sweep import WINDOWS, Errors, swept
 from studies.shared.result import Claim, Result, Table
@@ -56,7 +57,7 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
 
 
 def _takes_of(folder: str | Path) -> list[np.ndarray]:
-    return [positions for _, positions in each_usable([folder], lambda path: load_body(path)[0])]
+    return [positions for _, (positions, _) in usable(find_motion_files(folder), read_body)]
 
 
 def _errors(training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int) -> Errors:

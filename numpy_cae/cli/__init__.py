@@ -53,31 +53,28 @@ def main(argv: Sequence[str] | None = None) -> int:
     argv = sys.argv[1:] if argv is None else list(argv)
     # The commands print the reader's notes themselves.
     logging.getLogger("numpy_cae.mocap.load").setLevel(logging.ERROR)
-    command = next((word for word in argv if not word.startswith("-")), "")
-    said = f"numpy-cae {command}".rstrip()
+    name = _parser().parse_args(argv[:1]).command
+    said = f"numpy-cae {name}"
     try:
-        args = _parser(command).parse_args(argv)  # imports for a second
+        args = subcommand_parser(name).parse_args(argv[1:])  # imports for a second
         status = args.run(args)
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # as in `numpy-cae repair … | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except (NumpyCaeError, ValueError, OSError) as error:
-        print(f"{said}: {error}", file=sys.stderr)
-        return 2
-    except MemoryError as error:
-        print(f"{said}: not enough memory. {error}", file=sys.stderr)
+    except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
+        what = "not enough memory. " * isinstance(error, MemoryError)
+        print(f"{said}: {what}{error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as interrupt:
-        print(
-            f"{said}: interrupted; {str(interrupt) or 'nothing more was written'}", file=sys.stderr
-        )
+        advice = str(interrupt) or "nothing more was written"
+        print(f"{said}: interrupted; {advice}", file=sys.stderr)
         return 130
 
 
-def _parser(chosen: str) -> argparse.ArgumentParser:
-    """The parser, with the options of the subcommand `chosen` and of no other."""
+def _parser() -> argparse.ArgumentParser:
+    """The parser of the first word: a subcommand, --help or --version."""
     parser = _Parser(
         "numpy-cae",
         usage="numpy-cae [-h] [--version] COMMAND ...",
@@ -85,15 +82,9 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
         epilog="example: numpy-cae demo\n\n`numpy-cae COMMAND --help` prints options and examples.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"numpy-cae {__version__}")
-    subparsers = parser.add_subparsers(
-        prog="numpy-cae", dest="command", required=True, metavar="COMMAND", help=argparse.SUPPRESS
-    )
-    for name in SUBCOMMANDS:
-        if name == chosen:
-            _add_subcommand(subparsers, name)
-        else:
-            subparsers.add_parser(name, add_help=False)
+    add = parser.add_argument
+    add("--version", action="version", version=f"numpy-cae {__version__}")
+    add("command", choices=list(SUBCOMMANDS), metavar="COMMAND", help=argparse.SUPPRESS)
     return parser
 
 
@@ -113,20 +104,15 @@ def _columns() -> int:
 
 
 def subcommand_parser(name: str) -> argparse.ArgumentParser:
-    """The parser of one subcommand, for the documentation."""
-    return _add_subcommand(_Parser(prog="numpy-cae").add_subparsers(), name)
-
-
-def _add_subcommand(subparsers, name: str) -> argparse.ArgumentParser:
-    """A subcommand's parser, from its module."""
+    """The parser of one subcommand, from its module."""
     module = import_module(f"numpy_cae.cli.commands.{name}")
     description, _, examples = (module.__doc__ or "").partition("\n\nexample")
-    subparser = subparsers.add_parser(
-        name,
+    parser = _Parser(
+        f"numpy-cae {name}",
         description=textwrap.fill(description, _columns()).replace("%", "%%"),
         epilog=f"example{examples}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    subparser.set_defaults(run=module.run)
-    module.add_arguments(subparser)
-    return subparser
+    parser.set_defaults(command=name, run=module.run)
+    module.add_arguments(parser)
+    return parser

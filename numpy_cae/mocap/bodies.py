@@ -2,18 +2,18 @@
 
 import os
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
-from numpy_cae.mocap.coordinates import Coordinates
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.load import find_motion_files, load_body
-from numpy_cae.mocap.rigs.rigs import Mappings, UnknownRigError
+from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion.features import features_on_mean_skeleton
 from numpy_cae.motion.motion import RATE, Note
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
@@ -25,44 +25,31 @@ MAX_STEP_METRES = 30.0
 further from the hips, is refused."""
 
 
-@dataclass(frozen=True)
-class ReadResult:
-    """The result of reading one file.
+Problem = MotionFileError | UnknownRigError
+"""Why a motion file cannot be used."""
+Take = TypeVar("Take")
 
-    World positions (F, 20, 3) in metres at `RATE`, None if the file cannot be used; metres in one
-    unit of the file; the notes of the motion; the problem if there is one.
+
+def read_each(
+    paths: Sequence[Path], read: Callable[[Path], Take], processes: int | None = None
+) -> Iterator[Take | Problem]:
+    """What `read` makes of each file, or why it refuses the file, in the order of `paths`.
+
+    `processes` are by default one, or the number of processors for `WORTHWHILE_BYTES` bytes or
+    more; `read` and what it returns are then pickled.
     """
-
-    path: Path
-    positions: np.ndarray | None
-    unit: float = 0.0
-    notes: tuple[Note, ...] = ()
-    problem: MotionFileError | UnknownRigError | None = None
-
-
-def read_bodies(
-    paths: Sequence[Path],
-    mapping: Mappings = None,
-    coordinates: Coordinates | None = None,
-    processes: int | None = None,
-) -> Iterator[ReadResult]:
-    """Each file as twenty joints at 30 frames a second, in the order of `paths`.
-
-    Frames that are not needed for that rate are not parsed. `processes` are by default one, or the
-    number of processors for `WORTHWHILE_BYTES` bytes or more; the rest is as in `load_body`.
-    """
-    read = partial(_read, mapping=mapping, coordinates=coordinates)
+    attempt = partial(_attempt, read)
     if processes is None:
         total = sum(path.stat().st_size for path in paths if path.exists())
         processes = (os.cpu_count() or 1) if total >= WORTHWHILE_BYTES else 1
     if processes == 1:
-        yield from map(read, paths)
+        yield from map(attempt, paths)
         return
     from concurrent.futures.process import BrokenProcessPool, ProcessPoolExecutor  # slow to import
 
     pool = ProcessPoolExecutor(min(processes, len(paths)), initializer=_leave_interrupts)
     try:
-        yield from pool.map(read, paths, chunksize=4)
+        yield from pool.map(attempt, paths, chunksize=4)
     except BrokenProcessPool:
         raise OSError("a process that read motion files was ended from outside") from None
     finally:
@@ -75,13 +62,19 @@ def _leave_interrupts() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
-def _read(path: Path, mapping: Mappings, coordinates: Coordinates | None) -> ReadResult:
+def _attempt(read: Callable[[Path], Take], path: Path) -> Take | Problem:
     try:
-        positions, motion = load_body(path, mapping, coordinates, RATE)
-        _require_steady(path, positions)
+        return read(path)
     except (MotionFileError, UnknownRigError) as problem:
-        return ReadResult(path, None, problem=problem)
-    return ReadResult(path, positions, motion.unit, motion.notes)
+        return problem
+
+
+def read_body(path: Path, **options: Any) -> tuple[np.ndarray, tuple[Note, ...]]:
+    """World positions (F, 20, 3) in metres at `RATE`, and the notes of the motion, as in
+    `load_body`; frames that are not needed for that rate are not parsed."""
+    positions, motion = load_body(path, max_rate=RATE, **options)
+    _require_steady(path, positions)
+    return positions, motion.notes
 
 
 def _require_steady(path: Path, positions: np.ndarray) -> None:

@@ -22,7 +22,7 @@ tips; it is about 1.3 times the stature in any pose (less in a rig that ends at 
 Bandai's, more with fingers, as in CMU's).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -154,41 +154,15 @@ _POSES_OF_BONES = 100
 """_POSES_OF_BONES: bones are measured in about this many poses of a motion."""
 
 
-@dataclass(frozen=True)
-class Coordinates:
-    """What the user knows of the files' coordinates; what is None is detected in each file.
-
-    Parameters
-    ----------
-    unit : float, optional
-        Metres in one unit of length.
-    up : str, optional
-        The axis that is up, a key of `TO_Y_UP`.
-    floor : float, optional
-        Height of the floor in the file along that axis, in metres.
-
-    Raises
-    ------
-    ValueError
-        If one is not valid.
-
-    Examples
-    --------
-    >>> Coordinates(unit=0.01, up="z")  # the height of the floor is detected
-    Coordinates(unit=0.01, up='z', floor=None)
-    """
-
-    unit: float | None = None
-    up: str | None = None
-    floor: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.unit is not None:
-            require_unit(self.unit)
-        if self.up is not None and self.up not in TO_Y_UP:
-            raise ValueError(f"up is {self.up!r}, expected one of {', '.join(TO_Y_UP)}")
-        if self.floor is not None and not np.isfinite(self.floor):
-            raise ValueError(f"floor is {self.floor}, expected its height in metres")
+def require_coordinates(unit: float | None, up: str | None, floor: float | None) -> None:
+    """Raise ValueError for a unit in metres, an up axis or a height of the floor in metres that a
+    file cannot have; what is None is detected in each file."""
+    if unit is not None:
+        require_unit(unit)
+    if up is not None and up not in TO_Y_UP:
+        raise ValueError(f"up is {up!r}, expected one of {', '.join(TO_Y_UP)}")
+    if floor is not None and not np.isfinite(floor):
+        raise ValueError(f"floor is {floor}, expected its height in metres")
 
 
 def with_unit_of_limbs(motion: RiggedMotion) -> RiggedMotion:
@@ -256,15 +230,17 @@ def detect_floor(body: np.ndarray) -> float:
     return level if abs(level) > FLOOR_METRES and stays and not at_zero else 0.0
 
 
-def in_y_up(motion: AnyMotion, coordinates: Coordinates) -> AnyMotion:
+def in_y_up(
+    motion: AnyMotion, given_up: str | None = None, given_floor: float | None = None
+) -> AnyMotion:
     """The motion as a file has it, turned to Y up and moved to a floor at 0; `as_in_file` is the
     inverse.
 
-    What `coordinates` leaves open is detected; in a rig in which the twenty joints are not found, Y
-    is taken to be up and the floor to be at 0.
+    What is not given is detected; in a rig in which the twenty joints are not found, Y is taken to
+    be up and the floor to be at 0.
     """
-    up = coordinates.up
-    floor = coordinates.floor
+    up = given_up
+    floor = given_floor
     rig = own_rig(motion)
     if len(rig.found) == len(JOINTS) and (up is None or floor is None):
         body = motion.sampled(_POSES).positions(rig.joints)
@@ -277,10 +253,10 @@ def in_y_up(motion: AnyMotion, coordinates: Coordinates) -> AnyMotion:
         return motion
     notes = list(motion.notes)
     if up != "y":
-        reason = "detected" if coordinates.up is None else "as given"
+        reason = "detected" if given_up is None else "as given"
         notes.append(Note("up", f"{up.upper()} up ({reason})"))
     if floor:
-        reason = "detected" if coordinates.floor is None else "as given"
+        reason = "detected" if given_floor is None else "as given"
         notes.append(Note("floor", f"floor at {floor:.2f} m ({reason})"))
     rotations, translations = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
     translations[:, 0, 1] -= floor

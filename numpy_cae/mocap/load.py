@@ -13,12 +13,13 @@ from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.errors import FileError, NumpyCaeError
-from numpy_cae.mocap.coordinates import Coordinates, in_y_up, with_unit_of_limbs
+from numpy_cae.mocap.coordinates import in_y_up, require_coordinates, with_unit_of_limbs
 from numpy_cae.mocap.formats.amc import find_skeleton, read_amc
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.expmap import is_expmap_text, read_expmap
@@ -203,7 +204,7 @@ def load_motion(
         problem = f"{suffix or 'a file without suffix'} is not supported; {SUPPORTED}"
     if problem:
         raise MotionFileError(path, None, problem)
-    coordinates = Coordinates(unit, up, floor)
+    require_coordinates(unit, up, floor)
     with _naming(path):
         if suffix == ".amc":
             read = read_amc(path, unit=unit, max_rate=max_rate)
@@ -214,7 +215,7 @@ def load_motion(
         if suffix == ".bvh" and unit is None:
             motion = with_unit_of_limbs(motion)
         is_odd = any(note.kind != "unit" or note.in_doubt for note in motion.notes)
-        motion = in_y_up(motion, coordinates)
+        motion = in_y_up(motion, up, floor)
     log.log(logging.WARNING if is_odd else logging.INFO, "%s: %s", path, motion.note)
     reload = partial(load_motion, path, unit, None, up, floor, mapping)
     return FileMotion(**vars(motion), source=path, reload=reload)
@@ -236,23 +237,14 @@ def _naming(path: Path) -> Iterator[None]:
         raise MotionFileError(path, None, " ".join(problem.split())) from error
 
 
-def load_body(
-    path: str | Path,
-    mapping: Mappings = None,
-    coordinates: Coordinates | None = None,
-    max_rate: float | None = None,
-) -> tuple[np.ndarray, Motion]:
+def load_body(path: str | Path, **options: Any) -> tuple[np.ndarray, Motion]:
     """The twenty joints of a file at thirty frames a second, and the motion at the file's rate.
 
     Parameters
     ----------
     path : path of the file
-    mapping : dict of joint name to the rig's joint name, or several, optional
-        As in `load_motion`.
-    coordinates : Coordinates, optional
-        What is None is detected.
-    max_rate : float, optional
-        As in `load_motion`.
+    **options
+        `unit`, `max_rate`, `up`, `floor` and `mapping`, as in `load_motion`.
 
     Returns
     -------
@@ -277,24 +269,19 @@ def load_body(
     >>> positions.shape, len(motion)
     ((60, 20, 3), 240)
     """
-    given = vars(coordinates or Coordinates())
-    motion = load_motion(path, max_rate=max_rate, mapping=mapping, **given)
+    motion = load_motion(path, **options)
     with _naming(Path(path)):
         return body_of(motion), motion
 
 
-def load_angles(
-    path: str | Path, mapping: Mappings = None, coordinates: Coordinates | None = None
-) -> AngleSequence:
+def load_angles(path: str | Path, **options: Any) -> AngleSequence:
     """`angles_of` any motion file. No floor is looked for: clips are relative to their start.
 
     Parameters
     ----------
     path : path of the file
-    mapping : dict of joint name to the rig's joint name, or several, optional
-        As in `load_motion`.
-    coordinates : Coordinates, optional
-        What is None is detected, except the floor.
+    **options
+        `unit`, `max_rate`, `up` and `mapping`, as in `load_motion`.
 
     Returns
     -------
@@ -316,8 +303,7 @@ def load_angles(
     >>> load_angles("walk.bvh").numbers.shape
     (50, 54)
     """
-    given = vars(coordinates or Coordinates()) | {"floor": 0.0}
-    motion = load_motion(path, mapping=mapping, **given)
+    motion = load_motion(path, **options | {"floor": 0.0})
     with _naming(Path(path)):
         return angles_of(motion)
 

@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from data_synth import plan_takes
 from numpy_cae.cli.shared.output import note
-from numpy_cae.cli.shared.takes import each_usable
-from numpy_cae.mocap import Coordinates, angles_of
+from numpy_cae.cli.shared.takes import usable
+from numpy_cae.mocap import angles_of, find_motion_files
 from numpy_cae.mocap.load import is_test, load_angles
-from numpy_cae.mocap.rigs.rigs import Mappings
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
 
 ACTIONS = ("walking", "waiting", "walking_dog")
@@ -53,19 +54,13 @@ def synthetic_action(kind: str, minutes: float, seed: int = 0, quiet: bool = Tru
     return Action(kind, *halves, kind in PERIODIC, "synthetic clips (data_synth)")
 
 
-def read_action(
-    name: str,
-    folders: Sequence[str | Path],
-    patterns: Sequence[str],
-    mapping: Mappings = None,
-    coordinates: Coordinates | None = None,
-) -> Action:
-    """Read every motion file below the folders; those whose name matches a pattern are for testing.
+def read_action(folder: Path, patterns: Sequence[str], **reading: Any) -> Action:
+    """Read every motion file below the folder; those whose name matches a pattern are for testing.
 
-    `mapping` and `coordinates` are those of `load_angles`.
+    `reading` are arguments of `load_angles`.
     """
+    name = folder.resolve().name
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
-    angles = each_usable(folders, lambda path: load_angles(path, mapping, coordinates))
-    for path, sequence in angles:
+    for path, sequence in usable(find_motion_files(folder), partial(load_angles, **reading)):
         halves[is_test(path, patterns)].append(sequence)
-    return Action(name, *halves, name in PERIODIC, ", ".join(Path(f).name for f in folders))
+    return Action(name, *halves, name in PERIODIC, folder.name)

@@ -7,19 +7,20 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from numpy_cae.cli.shared.takes import each_usable
+from numpy_cae.cli.shared.takes import usable
+from numpy_cae.cli.shared.targets import named_files
 from numpy_cae.evaluation.clips import Clips, clips_of
-from numpy_cae.mocap import Coordinates
-from numpy_cae.mocap.load import is_test, load_body, load_motion
-from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.mocap.bodies import read_body
+from numpy_cae.mocap.load import is_test, load_motion
 from numpy_cae.motion import Motion
 
 if TYPE_CHECKING:
@@ -51,13 +52,12 @@ class LabelledTake:
 class Material:
     """Takes to train on (or to fit a baseline to) and takes to measure on.
 
-    `mapping` and `coordinates` are those with which their files were read.
+    `reading` are the arguments of `load_motion` with which their files were read.
     """
 
     training: list[LabelledTake]
     testing: list[LabelledTake]
-    mapping: Mappings = None
-    coordinates: Coordinates | None = None
+    reading: Mapping[str, Any] = MappingProxyType({})
 
     def counted(self) -> str:
         """How many takes there are of both kinds, in words."""
@@ -67,12 +67,11 @@ class Material:
         """The takes of one source, for training and for testing."""
         halves = (self.training, self.testing)
         chosen = [[take for take in half if take.source == source] for half in halves]
-        return Material(*chosen, self.mapping, self.coordinates)
+        return Material(*chosen, self.reading)
 
     def motion(self, take: LabelledTake) -> Motion:
         """A take in the rig of its file, at the rate of its file."""
-        known = vars(self.coordinates or Coordinates())
-        return load_motion(take.path, mapping=self.mapping, **known)
+        return load_motion(take.path, **self.reading)
 
     def labelled(self, what: str) -> Material:
         """Bandai Namco's takes if some of them are for testing, else the synthetic takes.
@@ -107,21 +106,18 @@ def testing_of(manifold: MotionManifold, material: Material) -> tuple[Clips, str
 
 
 def read_material(
-    folders: Sequence[str | Path],
-    patterns: Sequence[str],
-    mapping: Mappings = None,
-    coordinates: Coordinates | None = None,
+    folders: Sequence[str | Path], patterns: Sequence[str], **reading: Any
 ) -> Material:
     """Read and label every motion file below the folders.
 
     Files whose name matches one of the patterns are for testing, the others for training;
-    `mapping` and `coordinates` are arguments of `numpy_cae.mocap.load_body`.
+    `reading` are arguments of `numpy_cae.mocap.load_motion`.
     """
     halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
-    bodies = each_usable(folders, lambda path: load_body(path, mapping, coordinates)[0])
-    for path, positions in bodies:
+    bodies = usable(list(named_files(folders)), partial(read_body, **reading))
+    for path, (positions, _) in bodies:
         halves[is_test(path, patterns)].append(LabelledTake(path, positions, *labels_of(path)))
-    return Material(*halves, mapping, coordinates)
+    return Material(*halves, reading)
 
 
 def labels_of(path: Path) -> tuple[str, str, str]:

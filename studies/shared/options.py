@@ -118,7 +118,7 @@ class Inputs:
         """The takes of --data, split by --test; None without --data."""
         if not self.args.data:
             return None
-        material = read_material(self.args.data, self.patterns, *arguments.reading(self.args))
+        material = read_material(self.args.data, self.patterns, **arguments.reading(self.args))
         if not (material.testing and material.training):
             which = "learn from" if material.testing else "test"
             tested = " ".join(self.patterns[:5])
@@ -155,7 +155,7 @@ class Inputs:
         if not args.data:
             return [synthetic_action(n, args.minutes, args.seed, args.quiet) for n in args.actions]
         reading = arguments.reading(args)
-        actions = [read_action(f.resolve().name, [f], args.test, *reading) for f in args.data]
+        actions = [read_action(folder, args.test, **reading) for folder in args.data]
         for action in actions:
             if not (action.training and action.testing):
                 which = "train" if action.testing else "test"

@@ -42,7 +42,7 @@ def test_a_mistyped_word_is_answered_in_one_line(words, capsys):
     with pytest.raises(SystemExit) as exit_:
         main(words.split())
     (line,) = capsys.readouterr().err.splitlines()
-    assert exit_.value.code == 2 and line.endswith("see `numpy-cae --help`")
+    assert exit_.value.code == 2 and line.endswith(" --help`")
 
 
 def test_a_reader_that_ends_early_is_no_error(walks):

@@ -137,5 +137,5 @@ def test_actions_are_split_by_person_or_by_pattern(data_folder, capsys):
     made = actions.synthetic_action("walking", 0.2, quiet=False)
     assert made.periodic and len(made.training) and len(made.testing)
     assert capsys.readouterr().err == "walking: 2 takes are made\n"
-    read = actions.read_action("walking", [data_folder / "cmu/expmap/walking"], ["walking_5.txt"])
+    read = actions.read_action(data_folder / "cmu/expmap/walking", ["walking_5.txt"])
     assert (len(read.training), len(read.testing)) == (4, 1)

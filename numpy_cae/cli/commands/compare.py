@@ -7,15 +7,17 @@ example, with the files that `numpy-cae demo` writes:
 
 import argparse
 import csv
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.takes import usable_bodies
+from numpy_cae.cli.shared.takes import usable
 from numpy_cae.cli.shared.targets import named_files
 from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
+from numpy_cae.mocap.bodies import read_body
 from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
 
@@ -55,9 +57,10 @@ def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list
     name_of = {path: name.as_posix() if is_unique else str(path) for path, name in below.items()}
     names = []
     signatures = []
-    for body in usable_bodies(list(name_of), *arguments.reading(args), strict=len(name_of) == 2):
-        names.append(visible(name_of[body.path]))
-        features = manifold.features(body.positions)[0]
+    read = partial(read_body, **arguments.reading(args))
+    for path, (positions, _) in usable(list(name_of), read, strict=len(name_of) == 2):
+        names.append(visible(name_of[path]))
+        features = manifold.features(positions)[0]
         signatures.append(signature(hidden_units(manifold, features)))
     if len(names) < 2:
         raise ValueError(f"{names[0]}: one motion alone, name another to compare it with")

@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     require_bvh(args.output)
     manifold = one_motion.load_model(args)
     reading = arguments.reading(args)
-    motions = [load_body(path, *reading)[1] for path in (args.first, args.second)]
+    motions = [load_body(path, **reading)[1] for path in (args.first, args.second)]
     first, second = (Body(motion, manifold.lengths) for motion in motions)
     sources = first.features, second.features
     between = with_path(interpolate(manifold, *sources, args.share), *sources, args.share)

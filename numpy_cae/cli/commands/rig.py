@@ -33,15 +33,15 @@ def run(args: argparse.Namespace) -> int:
     from numpy_cae.mocap.rigs.suggest import suggest_mapping
     from numpy_cae.motion import JOINTS
 
-    mapping, coordinates = arguments.reading(args)
-    motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
-    by_names = rig_by_names(motion.skeleton, mapping)
+    reading = arguments.reading(args)
+    motion = load_motion(args.file, **reading)
+    by_names = rig_by_names(motion.skeleton, reading["mapping"])
     names = {joint: motion.skeleton.names[at] for joint, at in by_names.found.items()}
     if len(motion.rig.found) < len(JOINTS):
         # If only a few names are those of a known rig, they may mean other joints here.
         suggested = suggest_mapping(motion.skeleton)
         mapping = suggested | names if len(names) >= TRUSTED else names | suggested
-        motion = load_motion(args.file, mapping=mapping, **vars(coordinates))
+        motion = load_motion(args.file, **reading | {"mapping": mapping})
     rig = motion.rig
     own = {joint: at for joint, at in rig.found.items() if at not in rig.added}
     is_known = own == by_names.found and len(names) >= TRUSTED

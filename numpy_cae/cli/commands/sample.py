@@ -7,15 +7,17 @@ example, with the files that `numpy-cae demo` writes:
 """
 
 import argparse
+from functools import partial
 
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.takes import usable_bodies
+from numpy_cae.cli.shared.takes import usable
 from numpy_cae.cli.shared.targets import named_files
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.mocap import load_body
+from numpy_cae.mocap.bodies import read_body
 from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.retarget.body import Body, hold_first_pose
 from numpy_cae.motion import RATE, Motion, features_to_positions
@@ -69,11 +71,11 @@ def _draw(
     reading = arguments.reading(args)
     prior = None  # uniform
     if args.data:
-        bodies = usable_bodies(list(named_files(args.data)), *reading)
-        encoded = [manifold.features(body.positions)[0] for body in bodies]
+        bodies = usable(list(named_files(args.data)), partial(read_body, **reading))
+        encoded = [manifold.features(positions)[0] for _, (positions, _) in bodies]
         prior = NeighbourPrior(encode_windows(manifold, encoded))
     frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
-    like = load_body(args.like, *reading)[1] if args.like else None
+    like = load_body(args.like, **reading)[1] if args.like else None
     drawn = [sample(manifold, frames, rng, prior) for _ in range(args.number)]
     if like:
         body = Body(hold_first_pose(like, frames), manifold.lengths)

@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     pictures = {source: folder / f"{source.stem}.png" for source in args.files}
     if not is_page:
         require_one_target_each(pictures)
-    motions = [load_motion(path, **vars(arguments.reading(args)[1])) for path in args.files]
+    motions = [load_motion(path, **arguments.reading(args)) for path in args.files]
     for source, motion in zip(args.files, motions, strict=True):
         print(f"{source}: {motion}, {motion.seconds:.1f} s, {motion.note}")
     actors = side_by_side(motions, [source.name for source in args.files])

@@ -14,13 +14,14 @@ import argparse
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from numpy_cae import viz
 from numpy_cae.atomic_write import require_place
 from numpy_cae.cli.shared import arguments, train_options
-from numpy_cae.cli.shared.takes import each_usable, in_halves, read_takes
+from numpy_cae.cli.shared.takes import in_halves, read_takes, usable
 from numpy_cae.evaluation.half_removed import NOTE, half_removed
 from numpy_cae.evaluation.reconstruction import reconstruction
 from numpy_cae.manifold import learn_manifold, learn_sequences
@@ -88,7 +89,7 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
     """Learn the convolutional model from every file in the folders."""
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for group in files.values() for path in group]
-    training, testing = read_takes(paths, *arguments.reading(args), args.test)
+    training, testing = read_takes(paths, args.test, **arguments.reading(args))
     settings |= {"mirror": args.recipe in train_options.MIRRORED}
     settings |= {"testing": testing} | train_options.given(args, *train_options.CONVOLUTIONAL)
     manifold = learn_manifold(training, train_options.schedule_of(args), **settings)
@@ -103,8 +104,8 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the sequential model of one action from every file in the folders."""
-    reading = arguments.reading(args)
-    takes = each_usable(args.folders, lambda path: load_angles(path, *reading))
+    paths = [path for folder in args.folders for path in find_motion_files(folder)]
+    takes = usable(paths, partial(load_angles, **arguments.reading(args)))
     training, testing = in_halves(takes, args.test, ANGLE_RATE)
     schedule = train_options.sequence_schedule_of(args, args.recipe)
     settings |= train_options.given(args, "hidden", "latent", "frames")

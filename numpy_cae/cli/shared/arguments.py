@@ -4,11 +4,7 @@ import argparse
 from collections.abc import Callable
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from numpy_cae.mocap import Coordinates
-    from numpy_cae.mocap.rigs.rigs import Mappings
+from typing import Any
 
 
 def _number(
@@ -67,11 +63,11 @@ def add_shared(parser: argparse.ArgumentParser, names: str) -> None:
         parser.add_argument(f"--{name}", **SHARED[name])
 
 
-def reading(args: argparse.Namespace) -> "tuple[Mappings, Coordinates]":
-    """How motion files are read: the mappings in the files that `--mapping` names (None, one or
-    several), and what `--unit`, `--up` and `--floor` say."""
-    from numpy_cae.mocap import Coordinates, read_mapping
+def reading(args: argparse.Namespace) -> dict[str, Any]:
+    """How motion files are read, as arguments of `load_motion`: what `--unit`, `--up` and `--floor`
+    say, and the mappings in the files that `--mapping` names (None, one or several)."""
+    from numpy_cae.mocap import read_mapping
 
     mappings = [read_mapping(path) for path in getattr(args, "mapping", [])]
     mapping = mappings if len(mappings) > 1 else next(iter(mappings), None)
-    return mapping, Coordinates(args.unit, args.up, args.floor)
+    return {"unit": args.unit, "up": args.up, "floor": args.floor, "mapping": mapping}

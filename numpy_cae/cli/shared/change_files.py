@@ -55,13 +55,13 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired])
     """
     targets = targets_of(args)
     single = is_single(args)
-    mapping, coordinates = arguments.reading(args)
+    reading = arguments.reading(args)
     rows: list[pages.Row] = []
     unusable: list[str] = []
     with working(str(args.files[0]) if single else count(len(targets), "file")) as is_done:
         for number, (source, target) in enumerate(targets.items()):
             try:
-                motion = load_motion(source, mapping=mapping, **vars(coordinates))
+                motion = load_motion(source, **reading)
                 is_done((number + READING) / len(targets))
                 rows.append(_changed(args, source, target, motion, change(motion)))
             except BrokenPipeError:  # no error of the file

@@ -1,34 +1,33 @@
 """Takes to train and to test on, from motion files."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from numpy_cae.cli.shared.output import note, with_progress
-from numpy_cae.mocap import Coordinates, MotionFileError, UnknownRigError, find_motion_files
-from numpy_cae.mocap.bodies import ReadResult, read_bodies
+from numpy_cae.mocap.bodies import Problem, read_body, read_each
 from numpy_cae.mocap.load import is_test
-from numpy_cae.mocap.rigs.rigs import Mappings
 from numpy_cae.motion import RATE
 
 Take = TypeVar("Take", bound=Sized)
 
 
 def read_takes(
-    paths: Sequence[Path], mapping: Mappings, coordinates: Coordinates, test: Sequence[str]
+    paths: Sequence[Path], test: Sequence[str], **options: Any
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Each motion file as twenty joints at 30 frames a second, (F, 20, 3) in metres, in two halves
-    as those of `in_halves`."""
+    as those of `in_halves`; options as in `load_motion`."""
     takes = []
     changed = 0
-    for body in usable_bodies(paths, mapping, coordinates):
-        takes.append((body.path, body.positions))
-        changed += len(body.notes) > 1
-        for doubt in body.notes:
+    for path, (positions, notes) in usable(paths, partial(read_body, **options)):
+        takes.append((path, positions))
+        changed += len(notes) > 1
+        for doubt in notes:
             if doubt.in_doubt:
-                note(f"{body.path}: {doubt.text}")
+                note(f"{path}: {doubt.text}")
     if changed:
         what = "were turned, moved to a floor at 0 or are odd in another way"
         note(f"{changed} files {what}; see `numpy-cae rig FILE`")
@@ -57,37 +56,21 @@ def in_halves(
     return training, testing
 
 
-def usable_bodies(
-    paths: Sequence[Path], mapping: Mappings, coordinates: Coordinates | None, strict: bool = False
-) -> Iterator[ReadResult]:
-    """The bodies that `read_bodies` can read. A file that cannot be used is an error if `strict` or
-    if it is the only one, otherwise it is reported and skipped; ValueError if all are.
-    """
+def usable(
+    paths: Sequence[Path], read: Callable[[Path], Take], strict: bool = False
+) -> Iterator[tuple[Path, Take]]:
+    """Each file that `read` can read, and what `read` makes of it. A file that cannot be used is an
+    error if `strict` or if it is the only one, otherwise it is reported and skipped; ValueError if
+    all are."""
     left_out = 0
-    bodies = read_bodies(paths, mapping, coordinates)
-    for body in with_progress(bodies, len(paths), "file"):
-        if body.problem is None:
-            yield body
+    takes = with_progress(read_each(paths, read), len(paths), "file")
+    for path, take in zip(paths, takes, strict=True):
+        if not isinstance(take, Problem):
+            yield path, take
         elif strict or len(paths) == 1:
-            raise body.problem
+            raise take
         else:
             left_out += 1
-            note(f"left out: {body.problem}")
+            note(f"left out: {take}")
     if left_out == len(paths):
         raise ValueError(f"none of {left_out} files can be used, see above")
-
-
-def each_usable(
-    folders: Sequence[str | Path], read: Callable[[Path], Take]
-) -> Iterator[tuple[Path, Take]]:
-    """Yield the path of every motion file below the folders and what `read` makes of the file.
-
-    A file that cannot be used is reported and left out.
-    """
-    for path in (path for folder in folders for path in find_motion_files(folder)):
-        try:
-            take = read(path)
-        except (MotionFileError, UnknownRigError) as problem:
-            note(f"left out: {problem}")
-        else:
-            yield path, take
