@@ -59,11 +59,10 @@ def require_place(path: Path) -> None:
 def _remove_leftovers(folder: Path, begin: str, end: str) -> None:
     """Remove the temporary files of these names whose process has ended."""
     for name in os.listdir(folder):
-        if name.startswith(begin) and name.endswith(end):
-            process = name[len(begin) : -len(end)]
-            if process.isdecimal() and has_ended(int(process)):
-                with suppress(OSError):
-                    (folder / name).unlink()
+        process = name[len(begin) : -len(end)]
+        if name == f"{begin}{process}{end}" and process.isdecimal() and has_ended(int(process)):
+            with suppress(OSError):
+                (folder / name).unlink()
 
 
 def has_ended(process: int) -> bool:
@@ -72,8 +71,6 @@ def has_ended(process: int) -> bool:
         return False
     try:
         os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
-        return True
-    except PermissionError:  # another user's
-        return False
+    except (OSError, OverflowError) as error:
+        return not isinstance(error, PermissionError)  # which a process of another user raises
     return False

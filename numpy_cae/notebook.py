@@ -1,14 +1,19 @@
 """Motions and repaired motions show themselves in a notebook."""
 
+import sys
 from html import escape
 
-from numpy_cae import ipython
+
+def shell():
+    """The running IPython; None in plain Python."""
+    ipython = sys.modules.get("IPython")
+    return ipython and ipython.get_ipython()
 
 
 def register() -> None:
     """Tell IPython, if it runs this, how to display a Motion and a Repaired; import neither."""
-    if ipython.shell():
-        html = ipython.shell().display_formatter.formatters["text/html"]
+    if shell():
+        html = shell().display_formatter.formatters["text/html"]
         html.for_type_by_name("numpy_cae.motion.motion", "Motion", motion_html)
         html.for_type_by_name("numpy_cae.repair.repaired", "Repaired", repaired_html)
 
@@ -30,5 +35,5 @@ def repaired_html(repaired) -> str:
     before = repaired.original or motion
     actors = viz.before_and_after(before, motion, rig_of(before).joints)
     findings = [finding.to_json() for finding in repaired.listed()]
-    player = viz.in_notebook(actors, motion.rate, 560, findings)
+    player = viz.in_notebook(actors, motion.rate, findings)
     return f"<pre>{escape(repr(repaired))}</pre>\n{player._repr_html_()}"

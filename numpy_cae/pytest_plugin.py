@@ -64,13 +64,10 @@ def pytest_pyfunc_call(pyfuncitem) -> bool | None:
 
     operation.__wrapped__ = function
     operation.__name__ = function.__name__
-    problem = ""
     try:
         check_property(stated, operation, vars(function).setdefault("operation_crashes", set()))
-    except AssertionError as error:
-        problem = str(error)
-    if problem:  # without a traceback: the lines of numpy_cae would not help
-        pytest.fail(problem, pytrace=False)
+    except AssertionError as error:  # without a traceback: lines of numpy_cae would not help
+        raise pytest.fail.Exception(str(error), pytrace=False) from None
     return True
 
 

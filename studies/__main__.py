@@ -4,23 +4,25 @@ import argparse
 import ast
 import inspect
 import json
+import platform
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+import scipy
+
+import numpy_cae
 from numpy_cae.cli.shared.output import note, visible_output, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.viz import save_viewer
-from studies.shared.options import Inputs, add_options
-from studies.shared.provenance import provenance
-from studies.shared.render import data, png, report, text
-from studies.shared.result import Result
+from studies.shared.options import OPTIONS, Inputs, add_options, parameters
+from studies.shared.result import Result, data, png, report, text
 
 HERE = Path(__file__).parent
 NAMES = sorted(path.stem for path in HERE.glob("[!_]*.py"))
@@ -50,8 +52,7 @@ def _list() -> int:
 
 def _run(names: list[str], words: list[str]) -> int:
     for name in (name for name in names if name not in NAMES):
-        close = get_close_matches(name, NAMES, 1)
-        raise ValueError(f"no study {name}" + (f", did you mean {close[0]}?" if close else ""))
+        raise ValueError(f"no study {name}; `python -m studies` lists them")
     modules = {name: import_module(f"studies.{name}") for name in names}
     parser = argparse.ArgumentParser(
         prog=f"python -m studies {' '.join(names)}",
@@ -110,3 +111,30 @@ def _write(results: dict[str, Result], folder: Path) -> None:
 
 if __name__ == "__main__":
     sys.exit(main())
+
+
+LISTED = 5
+"""LISTED: at most so many patterns of test takes are written."""
+
+
+def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:
+    """Data, test takes, model, the options of the study's own, seed, versions."""
+    made = vars(inputs)
+    args = vars(inputs.args)
+    given = {"data": ", ".join(folder.name for folder in args.get("data", []))}
+    if made.get("material"):
+        given["data"] += f": {inputs.material.counted()}"
+        listed = " ".join(inputs.patterns[:LISTED]) + " …" * (len(inputs.patterns) > LISTED)
+        given["test takes"] = f"{listed}, never trained on or fitted to"
+    if "manifold" in made:
+        settings = inputs.manifold.settings
+        given["model"] = args["model"].name if args["model"] else "starter model"
+        given["training"] = f"{settings.get('takes')} takes, {settings.get('windows')} windows, "
+        given["training"] += f"seed {settings.get('seed')}, {settings.get('schedule')}"
+    own = [name for name in parameters(run) if name == "seed" or name not in OPTIONS]
+    given |= {name: str(args[name]) for name in own if args.get(name) is not None}
+    given["versions"] = (
+        f"numpy_cae {numpy_cae.__version__}, NumPy {np.__version__}, SciPy {scipy.__version__}, "
+        f"Python {platform.python_version()}"
+    )
+    return {name: value for name, value in given.items() if value}

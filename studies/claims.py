@@ -11,9 +11,9 @@ by `python -m studies sequences`, with fewer minutes and steps. --quick has fewe
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import ModuleType
 from typing import Any
 
 from data_synth import plan_takes, write_series
@@ -21,31 +21,13 @@ from numpy_cae.cli.shared.output import note
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import MotionManifold, learn_manifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, TrainingState, recipe
-from studies import (
-    comparison,
-    depth,
-    filling_in,
-    interpolation,
-    kinect,
-    repair_sweep,
-    representation,
-    sampling,
-    sequences,
-)
+from studies import depth, sequences
 from studies.jang2018.actions import ACTIONS, synthetic_action
 from studies.shared.material import Material, read_material
 from studies.shared.options import parameters
 from studies.shared.result import STATEMENTS, Claim, Result, Table
 
-STUDIES = (
-    representation,
-    sampling,
-    repair_sweep,
-    kinect,
-    filling_in,
-    interpolation,
-    comparison,
-)
+STUDIES = "representation sampling repair_sweep kinect filling_in interpolation comparison".split()
 """Those of a manifold, in the order of holden2015."""
 RATE = 30.0
 MINUTES, QUICK_MINUTES = 20.0, 8.0
@@ -77,7 +59,7 @@ def run(
         judged = _holden2015(material, seed, {PAPER: paper, BEST: best}, progress)
     epochs = DEPTH_EPOCHS if quick else depth.EPOCHS
     deep = {"material": material, "seed": seed, "epochs": epochs}
-    judged += [(BOTH, claim) for claim in _claims(depth, deep)]
+    judged += [(BOTH, claim) for claim in _claims("depth", deep)]
     judged += [(BOTH, claim) for claim in _jang2018(quick, seed).claims]
     judged.sort(key=lambda pair: list(STATEMENTS).index(pair[1].key))
     rows = [_row(network, claim) for network, claim in judged]
@@ -113,12 +95,12 @@ def _trained(material: Material, name: str, seed: int, progress: Callable | None
     return learn_manifold(takes, schedule, seed, report=progress)
 
 
-def _claims(study: ModuleType, given: dict[str, Any]) -> Sequence[Claim]:
+def _claims(name: str, given: dict[str, Any]) -> Sequence[Claim]:
     """The claims of a study, or none where the source has no takes for it."""
-    name = study.__name__.partition(".")[2]
     note(name)
+    run = import_module(f"studies.{name}").run
     try:
-        return study.run(**{each: given[each] for each in parameters(study.run)}).claims
+        return run(**{each: given[each] for each in parameters(run)}).claims
     except (NumpyCaeError, ValueError, ArithmeticError) as error:
         note(f"{name} could not be run: {error}")
         return []

@@ -18,9 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.cmu_protocol import baselines
 from studies.cmu_protocol.networks import networks, start
-from studies.cmu_protocol.protocol import GROUPS, Protocol, read_protocol
+from studies.cmu_protocol.protocol import GROUPS, Protocol, add_residual, nearest, read_protocol
 from studies.shared.result import Claim, Result, Table
 
 SEEDS = 5
@@ -88,10 +87,10 @@ def _errors(protocol: Protocol, group: str, seed: int) -> Errors:
     takes = protocol.standardised
     gaussian = start(takes, columns)
     fills = {
-        STANDARDISED: [baselines.nearest(takes, columns, np.ones(59))],
-        RADIANS: [baselines.nearest(takes, columns, protocol.deviation)],
+        STANDARDISED: [nearest(takes, columns, np.ones(59))],
+        RADIANS: [nearest(takes, columns, protocol.deviation)],
         GAUSSIAN: [gaussian],
-        RESIDUAL: [baselines.add_residual(gaussian, columns)],
+        RESIDUAL: [add_residual(gaussian, columns)],
         NETWORK: networks(takes, columns, range(seed, seed + SEEDS)),
     }
     return {

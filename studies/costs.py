@@ -30,8 +30,7 @@ from numpy_cae.mocap import load_motion, write_bvh
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import Motion, Skeleton
 from studies.shared.result import Picture, Result, Table
-from studies.timing.torch_convolutional import FRAMES
-from studies.timing.torch_sequential import LATENT, step
+from studies.timing.torch_networks import FRAMES, LATENT, step
 
 SECONDS = (1, 10, 60, 600, 3600)
 """Lengths of the files that are repaired (s)."""

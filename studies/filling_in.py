@@ -16,7 +16,7 @@ import numpy as np
 
 from numpy_cae.evaluation import position_error
 from numpy_cae.evaluation.clips import Clips
-from numpy_cae.evaluation.samples import jitter
+from numpy_cae.evaluation.measures import jitter
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.fill import keyframe_mask
 from numpy_cae.mocap import body_positions

@@ -8,7 +8,6 @@ since PCA is linear, its interpolation is the linear one, projected onto `AXES` 
 takes.
 """
 
-from dataclasses import astuple
 from itertools import combinations, product
 
 import numpy as np
@@ -19,7 +18,7 @@ from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.shared.material import LabelledTake, Material, evenly, features_of
 from studies.shared.result import Claim, Result, Table, moving
-from studies.shared.validity import Validity, ValidityMeasure
+from studies.shared.validity import Validity, ValidityMeasure, validity_table
 
 SHARES = (0.25, 0.5, 0.75)
 AXES = 30
@@ -57,8 +56,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         measured = _measured(manifold, measure, pca, clips)
         listed = ", ".join(map(str, SHARES))
         caption = f"{kind}, {len(clips)} pairs, s = {listed} and 0 to 1:"
-        rows = [[name, *astuple(validity)] for name, validity in measured.items()]
-        tables.append(Table(caption, ["motion", *Validity.HEADER], rows, Validity.FORMATS))
+        tables.append(validity_table(caption, measured))
         claims.append(_claim(kind, measured))
         claims.append(_claim(kind, measured, PRINCIPAL, "better_than_pca"))
         if not motions:
@@ -90,7 +88,7 @@ def _measured(
         PRINCIPAL: [pca.project(each, AXES) for each in straight],
         ALONG: [interpolate(manifold, *given) for given in between],
     }
-    return {name: Validity.mean([*map(measure.of, clips)]) for name, clips in motions.items()}
+    return {name: measure.mean(clips) for name, clips in motions.items()}
 
 
 def _claim(

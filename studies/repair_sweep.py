@@ -14,22 +14,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.evaluation import half_removed as half
 from numpy_cae.evaluation.clips import Clips, clips_of
-from numpy_cae.evaluation.half_removed import (
-    COMPLETED,
-    DAMAGED,
-    NETWORK,
-    SIMPLE,
-    SIMPLE_WITH_MASK,
-    P,
-    Repairs,
-)
+from numpy_cae.evaluation.half_removed import Repairs
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
 from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Result, Table
 
-PS = (0.1, 0.3, P, 0.7, 0.9)
+PS = (0.1, 0.3, half.P, 0.7, 0.9)
 WINDOWS = 60
 """WINDOWS: at most this many windows are repaired, since the Gaussian takes a tenth of a second for
 each."""
@@ -47,7 +40,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     return Result(
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows)],
-        _claims({name: float(each[PS.index(P)].mean()) for name, each in errors.items()}),
+        _claims({name: float(each[PS.index(half.P)].mean()) for name, each in errors.items()}),
     )
 
 
@@ -65,17 +58,19 @@ def swept(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[in
 def _claims(at: dict[str, float]) -> list[Claim]:
     """The network, which is given the zeros as they are, beside the best simple method that is
     given as much; and the completion beside the best simple method that is given the mask."""
-    simple = min(SIMPLE, key=lambda name: at[name])
-    with_mask = min(SIMPLE_WITH_MASK, key=lambda name: at[name])
-    figures = f"{at[DAMAGED]:.2f} cm before, {at[NETWORK]:.2f} cm after;"
+    simple = min(half.SIMPLE, key=lambda name: at[name])
+    with_mask = min(half.SIMPLE_WITH_MASK, key=lambda name: at[name])
+    figures = f"{at[half.DAMAGED]:.2f} cm before, {at[half.NETWORK]:.2f} cm after;"
     opponent = f"{simple}: {at[simple]:.2f} cm."
     return [
-        Claim("half_recovered", at[NETWORK] < at[DAMAGED] / 2, figures, opponent=opponent),
-        Claim("better_than_simple", at[NETWORK] < at[simple], figures, opponent=opponent),
+        Claim(
+            "half_recovered", at[half.NETWORK] < at[half.DAMAGED] / 2, figures, opponent=opponent
+        ),
+        Claim("better_than_simple", at[half.NETWORK] < at[simple], figures, opponent=opponent),
         Claim(
             "completed_better",
-            at[COMPLETED] < at[with_mask],
-            f"{at[COMPLETED]:.2f} cm;",
+            at[half.COMPLETED] < at[with_mask],
+            f"{at[half.COMPLETED]:.2f} cm;",
             opponent=f"{with_mask}: {at[with_mask]:.2f} cm.",
         ),
     ]

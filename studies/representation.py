@@ -26,7 +26,7 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.evaluation import position_error
 from numpy_cae.evaluation.clips import Clips
-from numpy_cae.evaluation.samples import jitter
+from numpy_cae.evaluation.measures import jitter
 from numpy_cae.manifold import MotionManifold, hidden_units
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import JOINTS, POSITIONS, features_to_positions
@@ -124,7 +124,7 @@ def constraints(manifold: MotionManifold, takes: list[np.ndarray]) -> Result:
     for name, clips in made.items():
         errors = [position_error(*pair) for pair in zip(clips, takes, strict=True)]
         slides = [_sliding(*pair) for pair in zip(clips, stands, strict=True)]
-        validity = Validity.mean([*map(measure.of, clips)])
+        validity = measure.mean(clips)
         rows.append([name, np.mean(errors), manifold.rate * np.mean(slides), *astuple(validity)])
     header = ["motion", "position, cm", "standing feet, cm/s", *Validity.HEADER]
     table = Table("", header, rows, ("", ".2f", ".1f", *Validity.FORMATS[1:]))

@@ -18,8 +18,8 @@ from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.viz import CORRUPTED, PROJECTED
 from studies.shared.material import Material, features_of
-from studies.shared.result import Claim, Result, Table, moving
-from studies.shared.validity import Validity, ValidityMeasure
+from studies.shared.result import Claim, Result, moving
+from studies.shared.validity import Validity, ValidityMeasure, validity_table
 
 DRAWN = 24
 """Motions drawn from each prior."""
@@ -50,15 +50,14 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         FITTED: [sample(manifold, frames, rng, prior) for _ in range(DRAWN)],
     }
     measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
-    measured = {name: Validity.mean([*map(measure.of, clips[name])]) for name in clips}
-    rows = [[name, *astuple(validity)] for name, validity in measured.items()]
+    measured = {name: measure.mean(each) for name, each in clips.items()}
     caption = f"Mean over {DRAWN} motions drawn from each prior:"
     motions = {UNIFORM: (clips[UNIFORM][0], CORRUPTED)}
     for letter, motion in zip("abc", clips[FITTED], strict=False):
         motions[f"{FITTED}, {letter}"] = motion, PROJECTED
     return Result(
         "Sampling from a prior",
-        [Table(caption, ["motion", *Validity.HEADER], rows, Validity.FORMATS)],
+        [validity_table(caption, measured)],
         [
             _claim(key, measured[prior], measured[PROJECTED_REAL])
             for prior, key in STATEMENTS.items()

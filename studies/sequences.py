@@ -17,10 +17,8 @@ from numpy_cae.evaluation.table import Table
 from numpy_cae.training import SequenceSchedule, TrainingState
 from studies.jang2018 import training
 from studies.jang2018.actions import Action
-from studies.jang2018.curves import figure_2
-from studies.jang2018.regulariser import MMD, NONE, SLICED, regulariser
-from studies.jang2018.samples import COLOURS, figure_3, samples
-from studies.jang2018.training import Study
+from studies.jang2018.samples import COLOURS, MMD, NONE, SLICED, figure_3, regulariser, samples
+from studies.jang2018.training import Study, figure_2
 from studies.shared.result import Claim, Result, combined
 
 MMD_WEIGHT = 0.1

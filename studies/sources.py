@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared.takes import usable
+from numpy_cae.cli.shared.files import usable
 from numpy_cae.evaluation.clips import clips_of
 from numpy_cae.evaluation.half_removed import COMPLETED, GAUSSIAN, PCHIP, Repairs
 from numpy_cae.manifold import learn_manifold

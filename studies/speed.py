@@ -10,7 +10,10 @@ walking.
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from timeit import repeat
 
 import numpy as np
 
@@ -20,10 +23,8 @@ from numpy_cae.fast.blas import blas_threads
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from studies.shared.material import Material
 from studies.shared.result import Result, Table
-from studies.timing.alternately import matrix_product_peak, time_alternately
+from studies.timing import torch_networks as nets
 from studies.timing.time_to_quality import sequences_to_quality, time_to_quality
-from studies.timing.torch_convolutional import TorchModel, cases, require_agreement, torch
-from studies.timing.torch_sequential import LATENT, step, torch_step
 
 HIDDEN = (128, 512, 1024)
 """Hidden units of the timed sequential networks."""
@@ -49,7 +50,7 @@ def run(
         note(busy)
     header = ["what", "B", "ms a window", "spread, %", "PyTorch, ms", "spread, %", "ratio"]
     formats = ("", "", ".3f", ".0f", ".3f", ".0f", ".2f")
-    count = len(header) if torch is not None else 4
+    count = len(header) if nets.torch is not None else 4
     tables = [
         Table(title, header[:count], list(timed), formats)
         for title, timed in (
@@ -61,36 +62,36 @@ def run(
         tables += [time_to_quality(material), sequences_to_quality()]
     made = {"BLAS": f"{blas_threads() or 'unknown'} threads"}
     made["matrix-product peak"] = f"{matrix_product_peak() / 1e9:.0f} GFLOP/s"
-    if torch is not None:
-        made["PyTorch"] = f"{torch.__version__}, {torch.get_num_threads()} threads"
+    if nets.torch is not None:
+        made["PyTorch"] = f"{nets.torch.__version__}, {nets.torch.get_num_threads()} threads"
     return Result("Times beside PyTorch", tables, note=busy, provenance=made)
 
 
 def rows(batches: Sequence[int], rounds: int) -> Iterator[list[object]]:
     """Every case: the times here and in PyTorch, and their ratio."""
-    if torch is not None:
+    if nets.torch is not None:
         exact = accelerate(ConvAutoencoder(dtype=np.float64))
-        for case in cases(exact, CHECKED_WINDOWS):
-            theirs = TorchModel(exact).function(case)
-            require_agreement(case.name, case.function(exact)(), theirs())
+        for case in nets.cases(exact, CHECKED_WINDOWS):
+            theirs = nets.TorchModel(exact).function(case)
+            nets.require_agreement(case.name, case.function(exact)(), theirs())
     for batch in batches:
         model = accelerate(ConvAutoencoder())
-        for case in cases(model, batch):
-            theirs = TorchModel(model).function(case) if torch is not None else None
+        for case in nets.cases(model, batch):
+            theirs = nets.TorchModel(model).function(case) if nets.torch is not None else None
             yield _row(case.name, batch, case.function(model), theirs, rounds)
 
 
 def sequence_rows(batches: Sequence[int], rounds: int) -> Iterator[list[object]]:
     """A training step of the sequential network for each number of hidden units."""
-    if torch is not None:
-        small = SequentialAutoencoder(hidden=CHECKED_UNITS, latent=LATENT, dtype=np.float64)
-        ours, given = step(accelerate(small), CHECKED_WINDOWS)
-        require_agreement("sequential", ours(), torch_step(small, given)())
+    if nets.torch is not None:
+        small = SequentialAutoencoder(hidden=CHECKED_UNITS, latent=nets.LATENT, dtype=np.float64)
+        ours, given = nets.step(accelerate(small), CHECKED_WINDOWS)
+        nets.require_agreement("sequential", ours(), nets.torch_step(small, given)())
     for batch in batches:
         for units in HIDDEN:
-            model = accelerate(SequentialAutoencoder(hidden=units, latent=LATENT))
-            ours, given = step(model, batch)
-            theirs = torch_step(model, given) if torch is not None else None
+            model = accelerate(SequentialAutoencoder(hidden=units, latent=nets.LATENT))
+            ours, given = nets.step(model, batch)
+            theirs = nets.torch_step(model, given) if nets.torch is not None else None
             yield _row(f"{units} hidden units", batch, ours, theirs, rounds)
 
 
@@ -104,3 +105,60 @@ def _row(
         row += [1e3 * timing.median / batch, 100 * timing.spread]
     note(f"{name}, {batch}: {row[2]:.3f} ms a window")
     return [*row, times["theirs"].median / times["ours"].median] if theirs else row
+
+
+PAUSE_SECONDS = 0.03
+"""PAUSE_SECONDS: the wait before each measurement (s): the threads of OpenMP and BLAS wait actively
+for a while after their work is done, which would slow down the next function."""
+MIN_SECONDS = 0.03
+"""MIN_SECONDS: a measurement takes at least this (s); a faster function is called several times."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The seconds of one call, in each of many rounds."""
+
+    seconds: np.ndarray
+
+    @property
+    def median(self) -> float:
+        """Seconds."""
+        return float(np.median(self.seconds))
+
+    @property
+    def spread(self) -> float:
+        """Half the interquartile range, as a share of the median."""
+        low, high = np.quantile(self.seconds, (0.25, 0.75))
+        return float((high - low) / 2 / self.median)
+
+
+def time_alternately(
+    functions: Mapping[str, Callable[[], object]], rounds: int
+) -> dict[str, Timing]:
+    """Time every function once in each round; the result has the same names."""
+    repeats = {name: _repeats(function) for name, function in functions.items()}
+    seconds: dict[str, list[float]] = {name: [] for name in functions}
+    for _ in range(rounds):
+        for name, function in functions.items():
+            time.sleep(PAUSE_SECONDS)
+            function()  # the caches hold the data of the function before
+            start = time.perf_counter()
+            for _ in range(repeats[name]):
+                function()
+            seconds[name].append((time.perf_counter() - start) / repeats[name])
+    return {name: Timing(np.array(each)) for name, each in seconds.items()}
+
+
+def _repeats(function: Callable[[], object]) -> int:
+    """Calls in one measurement; also a first call, which is slower."""
+    function()
+    start = time.perf_counter()
+    function()
+    return max(1, round(MIN_SECONDS / max(time.perf_counter() - start, 1e-9)))
+
+
+def matrix_product_peak(size: int = 2048, rounds: int = 12) -> float:
+    """Operations a second of a product of float32 (size, size) matrices, the best of the rounds."""
+    a, b = np.random.default_rng(0).random((2, size, size), dtype=np.float32)
+    out = np.empty_like(a)
+    return 2 * size**3 / min(repeat(lambda: np.matmul(a, b, out=out), number=1, repeat=rounds))

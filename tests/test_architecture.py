@@ -18,7 +18,7 @@ PACKAGE = ROOT / "numpy_cae"
 LAYERS = [
     *({"ops"}, {"models"}, {"training"}, {"motion"}, {"fast", "verify"}, {"manifold"}),
     *({"viz", "mocap"}, {"repair"}, {"evaluation"}, {"course", "download"}),
-    {"public", "notebook", "pytest_plugin"},
+    *({"notebook", "pytest_plugin"}, {"public"}),
     *({"cli"}, {"__main__"}, {"__init__"}),
 ]
 """A package imports those before it, and itself; modules of the root are below all of them."""

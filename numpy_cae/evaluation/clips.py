@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from numpy_cae.evaluation.errors import position_error
+from numpy_cae.evaluation.measures import position_error
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion.windows import cut_windows
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation.errors import angle_distance
+from numpy_cae.evaluation.measures import angle_distance
 from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.table import Table
 from numpy_cae.manifold import SequenceManifold

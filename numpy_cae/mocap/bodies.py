@@ -4,7 +4,6 @@ import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.load import find_motion_files, load_body
+from numpy_cae.mocap.load import find_motion_files, is_test, load_body
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion.features import features_on_mean_skeleton
 from numpy_cae.motion.motion import RATE, Note
@@ -139,7 +138,7 @@ def load_windows(
     >>> load_windows(".", "walk*", length=32, overlap=16).features.shape
     (3, 32, 63)
     """
-    paths = [path for path in find_motion_files(folder) if fnmatch(path.name, pattern)]
+    paths = [path for path in find_motion_files(folder) if is_test(path, [pattern])]
     if not paths:
         raise MotionFileError(folder, None, f"no motion file matches {pattern!r}")
     # Steps of a prime number visit the whole list, so that a part of it samples every kind.

@@ -258,9 +258,8 @@ def in_y_up(
     if floor:
         reason = "detected" if given_floor is None else "as given"
         notes.append(Note("floor", f"floor at {floor:.2f} m ({reason})"))
-    rotations, translations = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
-    translations[:, 0, 1] -= floor
-    turned = replace(motion, rotations=rotations, translations=translations)
+    turned = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
+    turned.translations[:, 0, 1] -= floor
     return replace(turned, up=up, floor=floor, notes=tuple(notes))
 
 
@@ -271,18 +270,17 @@ def as_in_file(motion: Motion) -> Motion:
         return motion
     translations = motion.translations.copy()
     translations[:, 0, 1] += motion.floor
-    moved = replace(motion, translations=translations)
-    rotations, translations = _turned(moved, np.array(TO_Y_UP[motion.up], dtype=float).T)
-    return replace(motion, rotations=rotations, translations=translations, up="y", floor=0.0)
+    moved = replace(motion, translations=translations, up="y", floor=0.0)
+    return _turned(moved, np.array(TO_Y_UP[motion.up], dtype=float).T)
 
 
-def _turned(motion: Motion, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rotations and translations of the motion with its root turned."""
+def _turned(motion: AnyMotion, matrix: np.ndarray) -> AnyMotion:
+    """The motion with its root turned."""
     rotations = motion.rotations.copy()
     rotations[:, 0] = product(nearest(matrix), rotations[:, 0])
     translations = motion.translations.copy()
     translations[:, 0] = translations[:, 0] @ matrix.T
-    return rotations, translations
+    return replace(motion, rotations=rotations, translations=translations)
 
 
 def _without_added(motion: Motion) -> Motion:

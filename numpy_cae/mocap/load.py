@@ -24,7 +24,7 @@ from numpy_cae.mocap.formats.amc import find_skeleton, read_amc
 from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.expmap import is_expmap_text, read_expmap
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.formats.write_bvh import require_bvh, write_bvh
+from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.retarget.body import body_of
 from numpy_cae.mocap.retarget.to_angles import angles_of
@@ -78,7 +78,6 @@ class FileMotion(RiggedMotion):
         if same_format and before is None:
             before = self.reload()
         if not same_format or before is None or before.rate != self.rate or len(before) < len(self):
-            require_bvh(path)
             write_bvh(self, path)
             return
         if path.suffix.lower() == ".amc":
@@ -114,7 +113,6 @@ def save(motion: Motion, path: str | Path) -> None:
     if isinstance(motion, FileMotion):
         motion.save(path)
     else:
-        require_bvh(path)
         write_bvh(motion, path)
 
 
@@ -207,7 +205,7 @@ def load_motion(
     require_coordinates(unit, up, floor)
     with _naming(path):
         if suffix == ".amc":
-            read = read_amc(path, unit=unit, max_rate=max_rate)
+            read = read_amc(path, unit, max_rate)
         else:
             read = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
         motion = recognised(read, mapping)

@@ -12,8 +12,7 @@ from numpy_cae.viz.actor import (
     motion_actor,
     side_by_side,
 )
-from numpy_cae.viz.curves import Curve, losses_figure, matrix_figure, save_figure
-from numpy_cae.viz.live_curve import LiveCurve
+from numpy_cae.viz.curves import Curve, LiveCurve, losses_figure, matrix_figure, save_figure
 from numpy_cae.viz.sliders import Chart, slider_figure
 from numpy_cae.viz.strip import strip_figure, strip_svg
 from numpy_cae.viz.viewer import in_notebook, save_viewer

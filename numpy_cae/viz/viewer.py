@@ -51,7 +51,7 @@ def save_viewer(
     rate: float,
     title: str = "",
     summary: Sequence[str] = (),
-    measures: Sequence[tuple[str, float, float]] = (),
+    measures: Sequence[tuple[str, str, str]] = (),
     **shown: Any,
 ) -> None:
     """Write a page that plays motions side by side or overlaid, atomically.
@@ -67,7 +67,7 @@ def save_viewer(
         Of the page; by default the labels of the motions.
     summary : sequence of str
         What the page says first.
-    measures : sequence of (str, float, float)
+    measures : sequence of (str, str, str)
         A name with its unit, and its value before and after; a smaller one is better.
     shown
         Arguments of `fragment`: overlaid, findings, command and rows.
@@ -78,23 +78,17 @@ def save_viewer(
         Path(temporary).write_text(page, encoding="utf-8")
 
 
-def _summary(summary: Sequence[str], measures: Sequence[tuple[str, float, float]]) -> str:
+def _summary(summary: Sequence[str], measures: Sequence[tuple[str, str, str]]) -> str:
     if not summary:
         return ""
     said = "".join(f"<li>{escape(visible(text))}</li>" for text in summary)
     rows = "".join(
-        f"<tr><th scope=row>{escape(name)}</th><td>{before:.3g}</td>"
-        f"<td>{after_text(before, after)}</td></tr>"
+        f"<tr><th scope=row>{escape(name)}</th><td>{before}</td><td>{after}</td></tr>"
         for name, before, after in measures
     )
     head = "<tr><td></td><th scope=col>before</th><th scope=col>after</th></tr>"
     words = page_text("words.html")
     return f'<div class="summary"><ul>{said}</ul><table>{head}{rows}</table>{words}</div>'
-
-
-def after_text(before: float, after: float) -> str:
-    """The value after, marked if it is worse: larger by more than 1% and 0.1."""
-    return f"{after:.3g}{' (worse)' if after > 1.01 * before + 0.1 else ''}"
 
 
 def page_html(actors: Sequence[Actor], rate: float, title: str = "", **shown: Any) -> str:
@@ -240,9 +234,7 @@ class Player:
         )
 
 
-def in_notebook(
-    actors: Sequence[Actor], rate: float, height: int = 420, findings: Sequence[Mapping] = ()
-) -> Player:
+def in_notebook(actors: Sequence[Actor], rate: float, findings: Sequence[Mapping] = ()) -> Player:
     """Motions with play, pause and a slider, for the last line of a cell: side by side, or with
     findings overlaid.
 
@@ -251,8 +243,7 @@ def in_notebook(
     actors, rate, findings
         As in `save_viewer`. The viewer takes 260 kB of the notebook, ten seconds of three motions
         about 150 kB more.
-    height : int
-        Of the frame, in pixels.
     """
     page = page_html(actors, rate, overlaid=bool(findings), findings=findings)
-    return Player(page, f"an animation: {', '.join(actor.label for actor in actors)}", height)
+    labels = ", ".join(actor.label for actor in actors)
+    return Player(page, f"an animation: {labels}", 560 if findings else 420)

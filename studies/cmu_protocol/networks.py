@@ -17,8 +17,7 @@ from numpy_cae.training import Stage
 from numpy_cae.training.adam import Adam
 from numpy_cae.training.schedule import rate_at
 from numpy_cae.training.step import denoising_step
-from studies.cmu_protocol.baselines import add_residual, gaussian_process
-from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill
+from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, add_residual, gaussian_process
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
 """Settings of `gaussian_process`. They and all constants below were chosen on training takes that

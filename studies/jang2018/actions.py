@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from data_synth import plan_takes
+from numpy_cae.cli.shared.files import usable
 from numpy_cae.cli.shared.output import note
-from numpy_cae.cli.shared.takes import usable
 from numpy_cae.mocap import angles_of, find_motion_files
 from numpy_cae.mocap.load import is_test, load_angles
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence

@@ -8,16 +8,14 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from numpy_cae.cli.shared.takes import usable
-from numpy_cae.cli.shared.targets import named_files
+from numpy_cae.cli.shared.files import named_files, usable
 from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.mocap.bodies import read_body
 from numpy_cae.mocap.load import is_test, load_motion
@@ -57,7 +55,7 @@ class Material:
 
     training: list[LabelledTake]
     testing: list[LabelledTake]
-    reading: Mapping[str, Any] = MappingProxyType({})
+    reading: Mapping[str, Any] = field(default_factory=dict)
 
     def counted(self) -> str:
         """How many takes there are of both kinds, in words."""

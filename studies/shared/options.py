@@ -13,7 +13,8 @@ from glob import escape
 from pathlib import Path
 from typing import Any
 
-from numpy_cae.cli.shared import arguments, one_motion, train_options
+from numpy_cae.cli.commands import train
+from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.mocap import find_motion_files
@@ -52,7 +53,7 @@ FLAG = {
     | {"help": "steps of the decoder before the first frame (default: 5)"},
     **{
         name: {"type": arguments.positive_number, "metavar": "N", "help": text}
-        for name, text in (train_options.COMMON | train_options.SEQUENTIAL).items()
+        for name, text in (train.COMMON | train.SEQUENTIAL).items()
     },
 }
 """Option to the arguments of `add_argument`."""
@@ -111,7 +112,7 @@ class Inputs:
     @cached_property
     def manifold(self) -> Manifold:
         """The model of --model, or the starter model."""
-        return one_motion.load_model(self.args)
+        return files.load_model(self.args)
 
     @cached_property
     def material(self) -> Material | None:
@@ -166,13 +167,13 @@ class Inputs:
     def schedule(self) -> SequenceSchedule:
         """The schedule of the sequential network."""
         name = "fast" if self.args.optimiser == "adam" else "paper"
-        schedule = train_options.sequence_schedule_of(self.args, name)
+        schedule = train.sequence_schedule_of(self.args, name)
         return replace(schedule, weight=self.args.weight)
 
     @cached_property
     def network(self) -> dict[str, int]:
         """The sizes of the sequential network that are given."""
-        sizes = train_options.given(self.args, "hidden", "latent", "frames", "burn_in")
+        sizes = train.given(self.args, "hidden", "latent", "frames", "burn_in")
         if sizes.get("frames", 3) < 3:
             raise ValueError(f"--frames is {self.args.frames}, expected 3 or more")
         return sizes

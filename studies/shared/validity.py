@@ -8,17 +8,16 @@ are as large as in real motion, and each pose is near a real one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from numpy_cae.evaluation.samples import jitter
+from numpy_cae.evaluation.measures import jitter
+from numpy_cae.evaluation.table import Table
 from numpy_cae.motion.contacts import foot_sliding
-from numpy_cae.motion.features import POSITIONS, features_to_positions
-from numpy_cae.motion.joints import PARENTS
+from numpy_cae.motion.features import POSITIONS, features_to_positions, frame_lengths
 
-_BONES = [joint for joint, parent in enumerate(PARENTS) if parent >= 0]
 MAX_POSES = 12_000
 """Real poses kept; neighbouring frames are nearly equal."""
 
@@ -32,9 +31,7 @@ def bone_length_error(positions: np.ndarray, lengths: np.ndarray) -> float:
     constraints such as ground contact and joint lengths". Real bodies have an error too, where a
     bone spans joints that bend (the neck, between chest and head).
     """
-    positions = np.asarray(positions, dtype=np.float64)
-    bones = positions[:, _BONES] - positions[:, [PARENTS[joint] for joint in _BONES]]
-    gap = np.linalg.norm(bones, axis=-1) - np.asarray(lengths)[_BONES]
+    gap = (frame_lengths(np.asarray(positions, dtype=np.float64)) - lengths)[:, 1:]
     return float(100 * np.sqrt(np.mean(gap**2)))
 
 
@@ -106,6 +103,10 @@ class ValidityMeasure:
             float(self.nearest_distances(features).mean()),
         )
 
+    def mean(self, clips: Sequence[np.ndarray]) -> Validity:
+        """The mean of each measure over motions."""
+        return Validity.mean([*map(self.of, clips)])
+
     def nearest_distances(self, features: np.ndarray) -> np.ndarray:
         """The distance of every frame (F, 63) to the nearest of the real poses, cm, (F,).
 
@@ -117,3 +118,9 @@ class ValidityMeasure:
         poses = np.asarray(features, dtype=np.float64)[:, POSITIONS]
         distance, _ = self._tree.query(poses)
         return 100 * distance / np.sqrt(poses.shape[1])
+
+
+def validity_table(caption: str, measured: Mapping[str, Validity]) -> Table:
+    """A row for each kind of motion, with its name."""
+    rows = [[name, *astuple(validity)] for name, validity in measured.items()]
+    return Table(caption, ["motion", *Validity.HEADER], rows, Validity.FORMATS)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from numpy_cae import training
 from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.fast import accelerate
@@ -19,37 +20,26 @@ from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviat
 from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import cut_clips, cut_windows, draw_clips
-from numpy_cae.training import (
-    SEQUENCE_RECIPES,
-    Schedule,
-    SequenceSchedule,
-    Stage,
-    TrainingState,
-    recipe,
-    unit_directions,
-    zero_values,
-)
 from numpy_cae.training.adam import BETA_2
 from numpy_cae.training.layerwise import autoencoder_steps
 from numpy_cae.training.sequential import Draw, sequential_steps
 from studies.jang2018.actions import synthetic_action
 from studies.shared.material import Material, testing_of
 from studies.shared.result import Table
-from studies.timing.torch_convolutional import TorchModel, torch, windows
-from studies.timing.torch_sequential import TorchSequences
+from studies.timing.torch_networks import TorchModel, TorchSequences, torch, windows
 
-USUAL = Stage(epochs=50, rate=0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
+USUAL = training.Stage(epochs=50, rate=0.001, batch=16, alpha=0.0, zeroed=(0.1, 0.8), rescaled=True)
 """PyTorch with the usual settings: Adam's and `OneCycleLR`'s own, no bound on the norm. The batch,
 the peak rate and the epochs are those that need the least time
 (docs/lab_book/end_to_end.md)."""
-USUAL_SEQUENCES = SequenceSchedule(rate=0.001)
+USUAL_SEQUENCES = training.SequenceSchedule(rate=0.001)
 """The same, with the batch, the epochs and the bound on the norm of the recipe paper."""
 USUAL_BETA_2 = 0.999
 MINUTES = 60.0
 """Minutes of synthetic walking to train on, and as many of other people to hold out."""
 HELD_OUT_STEP = 600
 """Held-out clips start this many frames apart."""
-NONE = Stage(epochs=0)
+NONE = training.Stage(epochs=0)
 Curve = list[tuple[float, float]]
 """The seconds of training, and the held-out error, after each epoch."""
 Trained = tuple[Any, Iterator[None]]
@@ -62,15 +52,15 @@ def time_to_quality(material: Material, seed: int = 0) -> Table:
     The error is that of the table of `numpy-cae train`: half of the values of the test takes
     removed. ValueError where PyTorch is not installed.
     """
-    schedule = recipe("fast")
+    schedule = training.recipe("fast")
     x, testing = _windows(material, schedule.rms)
-    damaged = zero_values(testing.x, 0.5, np.random.default_rng(seed))
+    damaged = training.zero_values(testing.x, 0.5, np.random.default_rng(seed))
     given = damaged / (1 - zeroed_fraction(damaged))
     model = accelerate(ConvAutoencoder(rng=np.random.default_rng(seed), initial=schedule.initial))
-    state = TrainingState(model.parameters, np.random.default_rng(seed))
-    steps = autoencoder_steps(model, x, Schedule(NONE, schedule.fine_tuning), state)
+    state = training.TrainingState(model.parameters, np.random.default_rng(seed))
+    steps = autoencoder_steps(model, x, training.Schedule(NONE, schedule.fine_tuning), state)
 
-    def trained(stage: Stage, beta_2: float) -> Trained:
+    def trained(stage: training.Stage, beta_2: float) -> Trained:
         network = TorchModel(model)
         return network, torch_epochs(network, x, stage, beta_2)
 
@@ -84,7 +74,7 @@ def time_to_quality(material: Material, seed: int = 0) -> Table:
 def sequences_to_quality(seed: int = 0) -> Table:
     """The same of the sequential network on synthetic walking, by its recipe fast and by
     `USUAL_SEQUENCES`. The error is the share of the variance of other people's clips."""
-    schedule = SEQUENCE_RECIPES["fast"]
+    schedule = training.SEQUENCE_RECIPES["fast"]
     action = synthetic_action("walking", MINUTES)
     mean, deviation = mean_and_deviation(cut_clips(action.training))
 
@@ -95,10 +85,10 @@ def sequences_to_quality(seed: int = 0) -> Table:
     rng = np.random.default_rng(seed)
     untrained = SequentialAutoencoder(len(mean), HIDDEN, LATENT, rng, burn_in=BURN_IN)
     model = accelerate(untrained)
-    state = TrainingState(model.weights, np.random.default_rng(seed))
+    state = training.TrainingState(model.weights, np.random.default_rng(seed))
     steps = sequential_steps(model, draw, schedule, state)
 
-    def trained(by: SequenceSchedule, beta_2: float) -> Trained:
+    def trained(by: training.SequenceSchedule, beta_2: float) -> Trained:
         network = TorchSequences(model)
         return network, torch_sequence_epochs(network, draw, by, beta_2, seed)
 
@@ -136,7 +126,7 @@ def _windows(material: Material, rms: float) -> tuple[np.ndarray, Clips]:
     """Normalised windows (N, T, 63) to train on, scaled to `rms`, and the windows to test on."""
     takes = [take.positions for take in material.training]
     # For the mean pose, the scale and the mean skeleton; its network is not used.
-    frame = learn_manifold(takes, Schedule(NONE, NONE, rms=rms), filters=(1,), taps=1)
+    frame = learn_manifold(takes, training.Schedule(NONE, NONE, rms=rms), filters=(1,), taps=1)
     cut = [frame.normalise(cut_windows(frame.features(take)[0])[0]) for take in takes]
     return np.concatenate(cut), testing_of(frame, material)[0]
 
@@ -166,7 +156,9 @@ def quality(curves: dict[str, Curve], unit: str) -> Table:
     return Table("", header, rows, ("", ".1f", ".2f", ".1f", ".3f"))
 
 
-def torch_epochs(model: TorchModel, x: np.ndarray, stage: Stage, beta_2: float) -> Iterator[None]:
+def torch_epochs(
+    model: TorchModel, x: np.ndarray, stage: training.Stage, beta_2: float
+) -> Iterator[None]:
     """Denoising end to end in PyTorch, an epoch at each `next`, by Adam and a one-cycle rate."""
     every = windows(x)
     update = _update(model, stage, -(-len(every) // stage.batch), beta_2)
@@ -181,7 +173,7 @@ def torch_epochs(model: TorchModel, x: np.ndarray, stage: Stage, beta_2: float) 
 
 
 def torch_sequence_epochs(
-    model: TorchSequences, draw: Draw, by: SequenceSchedule, beta_2: float, seed: int
+    model: TorchSequences, draw: Draw, by: training.SequenceSchedule, beta_2: float, seed: int
 ) -> Iterator[None]:
     """The same of the sequential network."""
     rng = np.random.default_rng(seed)
@@ -189,7 +181,7 @@ def torch_sequence_epochs(
     for _ in range(by.epochs):
         for _ in range(by.steps):
             prior = rng.standard_normal((by.batch, LATENT), dtype=np.float32)
-            directions = unit_directions(by.directions, LATENT, rng, np.float32)
+            directions = training.unit_directions(by.directions, LATENT, rng, np.float32)
             given = map(torch.tensor, (draw(rng, by.batch), prior, directions))
             update(model.loss(*given, by.weight))
         yield

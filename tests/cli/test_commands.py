@@ -98,12 +98,11 @@ FINE = recipe("paper").fine_tuning
 )
 def test_options_change_the_recipe(monkeypatch, options, expected):
     from numpy_cae.cli.commands import train
-    from numpy_cae.cli.shared import train_options
 
     seen = []
     monkeypatch.setattr(train, "run", lambda args: seen.append(args) or 0)
     assert main(["train", "folder", "-o", "m.npz", *options.split()]) == 0
-    assert train_options.schedule_of(seen[0]) == expected
+    assert train.schedule_of(seen[0]) == expected
 
 
 @pytest.mark.parametrize("engine", ["ops", "fast"])

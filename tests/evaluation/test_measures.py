@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from data_synth import make_take
 from numpy_cae import mocap, motion
 from numpy_cae.evaluation.clips import Clips
-from numpy_cae.evaluation.samples import (
+from numpy_cae.evaluation.measures import (
     clip_distances,
     diversity,
     jitter,

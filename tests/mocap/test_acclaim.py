@@ -129,10 +129,6 @@ def test_the_skeleton_is_found_by_the_subject(tmp_path):
         else:
             femur = load_motion(amc).skeleton.offsets[2, 0]
             assert femur == pytest.approx(length * CMU_UNIT)
-    femur = read_amc(amc, tmp_path / "02.asf").skeleton.offsets[2, 0]
-    assert femur == pytest.approx(2 * CMU_UNIT)
-    with pytest.raises(MotionFileError, match=r"none\.asf: cannot be read: No such file"):
-        read_amc(amc, tmp_path / "none.asf")
 
 
 def test_conventions_against_a_conversion_by_others(data_folder):

@@ -12,10 +12,10 @@ from numpy_cae.mocap import angles_of
 from numpy_cae.training import SequenceSchedule
 from numpy_cae.verify import check_property, properties_of
 from studies import sequences
-from studies.jang2018 import actions, curves, regulariser, samples, training
+from studies.jang2018 import actions, samples, training
 from studies.jang2018.mmd import maximum_mean_discrepancy
 from studies.jang2018.samples import FITTED, PRIOR, REAL
-from studies.shared.render import png
+from studies.shared.result import png
 
 SHORT = SequenceSchedule(epochs=1, steps=2, batch=8, directions=4)
 SIZES = {"hidden": 8, "latent": 4}
@@ -48,13 +48,13 @@ def test_figure_2_tests_the_trend(studies):
     flat = falling | {"error": error[np.random.default_rng(0).permutation(20)]}
     both = zip(studies, (falling, flat), strict=True)
     one, other = (replace(each, curve=curve) for each, curve in both)
-    result = curves.figure_2([one])
+    result = training.figure_2([one])
     row = "walking: reconstruction error, rad"
     assert result.tables[0].value(row, "first tenth") == np.mean(error[:2])
     assert result.tables[0].value(row, "last tenth") == np.mean(error[-2:])
     assert result.tables[0].value(row, "τ") == pytest.approx(-1)
     assert [claim.confirmed for claim in result.claims] == [True, True]
-    assert [claim.confirmed for claim in curves.figure_2([one, other]).claims] == [False, True]
+    assert [claim.confirmed for claim in training.figure_2([one, other]).claims] == [False, True]
     assert len(png(result.figures["figure_2"])) > 1000
 
 
@@ -91,14 +91,14 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
 
 
 def test_the_regulariser_with_and_without(studies, monkeypatch):
-    monkeypatch.setattr(regulariser, "REPEATS", 1)
-    monkeypatch.setattr(regulariser, "SAMPLES", 20)
+    monkeypatch.setattr(samples, "REPEATS", 1)
+    monkeypatch.setattr(samples, "SAMPLES", 20)
     action = studies[0].action
     free = training.train_study(action, replace(SHORT, weight=0.0), **SIZES)
     assert len(free.curve["steps"]) == 1 < len(studies[0].curve["steps"])
     other = training.train_study(action, replace(SHORT, weight=0.1), mmd=True, **SIZES)
-    trained = {regulariser.SLICED: studies[:1], regulariser.MMD: [other], regulariser.NONE: [free]}
-    result = regulariser.regulariser(trained)
+    trained = {samples.SLICED: studies[:1], samples.MMD: [other], samples.NONE: [free]}
+    result = samples.regulariser(trained)
     rows = {name: f"{action.name}: {name}" for name in trained}
     errors = {name: result.tables[0].value(row, "mean square") for name, row in rows.items()}
     assert errors == {name: each[0].squared_error() for name, each in trained.items()}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from studies import cmu35
-from studies.cmu_protocol import baselines, networks, protocol
+from studies.cmu_protocol import networks, protocol
 from studies.cmu_protocol.protocol import GROUPS, read_protocol
 
 
@@ -26,7 +26,7 @@ def test_the_nearest_neighbour_has_the_published_errors(read):
     published = {"leg": [(13.5, 4.44), (14.0, 4.11)], "body": [(20.9, 2.62), (30.9, 3.20)]}
     for group, columns in GROUPS.items():
         for weights, errors in zip((np.ones(59), read.deviation), published[group], strict=True):
-            fill = baselines.nearest(read.standardised, columns, weights)
+            fill = protocol.nearest(read.standardised, columns, weights)
             sc, degrees = read.errors(fill, columns)
             assert (round(sc, 1), round(degrees, 2)) == errors
 
@@ -54,7 +54,7 @@ def test_a_method_never_receives_hidden_values(read):
 
 def test_the_residual_before_the_hole_is_carried_into_it():
     take = np.full((40, 59), 3.0)
-    fill = baselines.add_residual(lambda take, first: np.zeros((len(take), 7)), GROUPS["leg"])
+    fill = protocol.add_residual(lambda take, first: np.zeros((len(take), 7)), GROUPS["leg"])
     filled = fill(take, 30)
     assert (filled[30] > 2.5).all() and (filled[30:] > 1).all()
     assert (np.diff(filled[30:], axis=0) < 0).all()

@@ -9,7 +9,7 @@ import pytest
 
 from numpy_cae.evaluation import reconstruction
 from studies.__main__ import NAMES, main
-from studies.jang2018 import regulariser, samples
+from studies.jang2018 import samples
 
 TINY = "--test *_3.bvh --hidden 6 --latent 3 --epochs 1 --steps 2 --batch 4 --frames 20".split()
 
@@ -41,7 +41,8 @@ def test_it_lists_the_studies(capsys):
     assert all(line.endswith(".") for line in lines[2:])
     assert run("spead") == 2
     assert (
-        capsys.readouterr().err == "python -m studies spead: no study spead, did you mean speed?\n"
+        capsys.readouterr().err
+        == "python -m studies spead: no study spead; `python -m studies` lists them\n"
     )
 
 
@@ -88,7 +89,7 @@ def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys
     for module, name, fewer in (
         (reconstruction, "PCA_CLIPS", 200),
         (samples, "SAMPLES", 20),
-        (regulariser, "REPEATS", 1),
+        (samples, "REPEATS", 1),
     ):
         monkeypatch.setattr(module, name, fewer)
     out = tmp_path / "out"

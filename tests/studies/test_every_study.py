@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.shared.render import measured, png, report, text
+from studies.shared.result import measured, png, report, text
 
 NAMES = "repair_sweep filling_in interpolation comparison damage sampling "
 NAMES += "representation kinect depth"

@@ -2,8 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from studies.shared.render import report, text
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Claim, Picture, Result, Table, report, text
 
 CLAIMS = [
     Claim("half_recovered", True, "3 against 4 cm.", "takes <of> & more"),

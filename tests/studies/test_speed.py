@@ -9,9 +9,9 @@ from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import SEQUENCE_RECIPES, recipe
 from studies import speed
-from studies.timing import alternately, time_to_quality
-from studies.timing.alternately import Timing, time_alternately
-from studies.timing.torch_convolutional import TorchModel, cases, require_agreement, torch
+from studies.speed import Timing, time_alternately
+from studies.timing import time_to_quality
+from studies.timing.torch_networks import TorchModel, cases, require_agreement, torch
 
 if torch is not None:
     torch.set_num_threads(1)  # only values are compared here
@@ -36,7 +36,7 @@ def test_functions_are_timed_alternately_and_a_time_has_a_median_and_a_spread(mo
         calls.append(name)
         now[0] += seconds
 
-    monkeypatch.setattr(alternately.time, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(speed.time, "perf_counter", lambda: now[0])
     times = time_alternately({"a": lambda: wait("a", 4.0), "b": lambda: wait("b", 5.0)}, 3)
     assert "".join(calls).endswith("aabb")
     assert list(times["a"].seconds) == [4.0] * 3 and times["b"].median == 5
@@ -59,7 +59,7 @@ def test_equal_computations_are_timed_and_different_ones_are_not(monkeypatch):
     monkeypatch.setattr(TorchModel, "encode", lambda *arguments: 0.999 * encode(*arguments))
     with pytest.raises(ArithmeticError, match="differs in 'layer 1, random'"):
         next(speed.rows([1], 1))
-    monkeypatch.setattr(alternately, "MIN_SECONDS", 1e-4)
+    monkeypatch.setattr(speed, "MIN_SECONDS", 1e-4)
     monkeypatch.setattr(speed, "HIDDEN", (4,))
     assert len(next(speed.sequence_rows([2], 1))) == 7
     monkeypatch.setattr(torch, "sort", lambda z, dim: (z, None))
@@ -70,9 +70,9 @@ def test_equal_computations_are_timed_and_different_ones_are_not(monkeypatch):
 @pytest.mark.parametrize("load", [0.1, 3.0])
 def test_the_table_has_a_row_for_each_case(monkeypatch, load):
     monkeypatch.setattr(speed, "ConvAutoencoder", small)
-    monkeypatch.setattr(alternately, "MIN_SECONDS", 1e-4)
+    monkeypatch.setattr(speed, "MIN_SECONDS", 1e-4)
     monkeypatch.setattr(speed, "matrix_product_peak", lambda: 1e11)
-    monkeypatch.setattr(speed, "torch", None)
+    monkeypatch.setattr(speed.nets, "torch", None)
     monkeypatch.setattr(speed.os, "getloadavg", lambda: (load, 0.0, 0.0), raising=False)
     monkeypatch.setattr(speed, "HIDDEN", (4, 6))
     result = speed.run((1, 2), rounds=1, clips=(2,))
@@ -92,7 +92,7 @@ def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, lab
     assert table.rows[1] == ["theirs", 10.0, 2.5, 10.0, 2.0]
     stage = replace(recipe("fast").fine_tuning, epochs=3, rate=1e-4)
     tiny = replace(recipe("fast"), fine_tuning=stage)
-    monkeypatch.setattr(time_to_quality, "recipe", lambda name: tiny)
+    monkeypatch.setattr(time_to_quality.training, "recipe", lambda name: tiny)
     monkeypatch.setattr(time_to_quality, "USUAL", replace(stage, norm=None))
     table = time_to_quality.time_to_quality(labelled)
     assert [row[0] for row in table.rows][1:] == [
@@ -100,7 +100,7 @@ def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, lab
     ]
     assert 0 < table.rows[0][4] < 10 and np.isfinite([row[4] for row in table.rows]).all()
     few = replace(SEQUENCE_RECIPES["fast"], epochs=2, steps=2, batch=4)
-    monkeypatch.setattr(time_to_quality, "SEQUENCE_RECIPES", {"fast": few})
+    monkeypatch.setattr(time_to_quality.training, "SEQUENCE_RECIPES", {"fast": few})
     monkeypatch.setattr(time_to_quality, "USUAL_SEQUENCES", few)
     monkeypatch.setattr(time_to_quality, "MINUTES", 0.3)
     table = time_to_quality.sequences_to_quality()

@@ -7,17 +7,13 @@ example, with the files that `numpy-cae demo` writes:
 
 import argparse
 import csv
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.takes import usable
-from numpy_cae.cli.shared.targets import named_files
+from numpy_cae.cli.shared import files
 from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
-from numpy_cae.mocap.bodies import read_body
 from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
 
@@ -26,39 +22,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The motions, the model and the files to write."""
     add = parser.add_argument
     add("motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="folders or motion files")
-    one_motion.add_model_arguments(parser)
+    files.add_model_arguments(parser)
     add("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
     add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix")
 
 
 def run(args: argparse.Namespace) -> int:
     """Compute, print and write the distances."""
-    manifold = one_motion.load_model(args)
+    manifold = files.load_model(args)
     names, distances = _distances(args, manifold)
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
     nearest = [names[n] for n in others.argmin(axis=1)]
+    for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
+        print(f"{name}: nearest is {other}, G = {distance:.3f}")
     if args.output:
         _write_csv(names, distances, args.output)
+        print(f"{args.output}: G of {len(names)} motions")
     if args.picture:
         title = f"√G of {len(names)} motions; dark: near"
         save_figure(matrix_figure(np.sqrt(distances), names, "√G", title), args.picture)
-    for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
-        print(f"{name}: nearest is {other}, G = {distance:.3f}")
-    for path, content in ((args.output, "G"), (args.picture, "√G")):
-        if path:
-            print(f"{path}: {content} of {len(names)} motions")
+        print(f"{args.picture}: √G of {len(names)} motions")
     return 0
 
 
 def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list[str], np.ndarray]:
     """The names of the motions that can be used, and G between every two."""
-    below = named_files(args.motions)
+    below = files.named_files(args.motions)
     is_unique = len(set(below.values())) == len(below)
     name_of = {path: name.as_posix() if is_unique else str(path) for path, name in below.items()}
     names = []
     signatures = []
-    read = partial(read_body, **arguments.reading(args))
-    for path, (positions, _) in usable(list(name_of), read, strict=len(name_of) == 2):
+    for path, positions in files.bodies(args, list(name_of), strict=len(name_of) == 2):
         names.append(visible(name_of[path]))
         features = manifold.features(positions)[0]
         signatures.append(signature(hidden_units(manifold, features)))

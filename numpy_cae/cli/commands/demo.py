@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from data_synth import make_take
+from numpy_cae import viz
 from numpy_cae.cli.shared import arguments
 from numpy_cae.evaluation.half_removed import NOTE, P, half_removed
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
@@ -19,15 +20,6 @@ from numpy_cae.motion import RATE
 from numpy_cae.motion.quaternions import from_vector, product
 from numpy_cae.repair import repair
 from numpy_cae.training import ProgressPrinter, recipe, zero_values
-from numpy_cae.viz import (
-    CORRUPTED,
-    PROJECTED,
-    TRUTH,
-    motion_actor,
-    save_figure,
-    save_viewer,
-    strip_figure,
-)
 from numpy_cae.viz.actor import local_actors
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
@@ -70,14 +62,14 @@ def _repair_a_walk(folder: Path, seed: int) -> None:
     damaged = replace(true, rotations=rotations)
     repaired = repair(damaged, starter()).motion
     motions = {
-        "damaged": (damaged, CORRUPTED),
-        "repaired": (repaired, PROJECTED),
-        "true": (true, TRUTH),
+        "damaged": (damaged, viz.CORRUPTED),
+        "repaired": (repaired, viz.PROJECTED),
+        "true": (true, viz.TRUTH),
     }
     for name, (motion, _) in motions.items():
         write_bvh(motion, folder / f"{name}.bvh", unit=0.01)
-    actors = [motion_actor(motion, name, colour) for name, (motion, colour) in motions.items()]
-    save_viewer(actors, folder / "index.html", RATE, "a damaged walk, repaired")
+    actors = [viz.motion_actor(motion, name, colour) for name, (motion, colour) in motions.items()]
+    viz.save_viewer(actors, folder / "index.html", RATE, "a damaged walk, repaired")
     before, after = (
         100 * np.linalg.norm(body_of(motion) - body_of(true), axis=-1)
         for motion in (damaged, repaired)
@@ -119,8 +111,10 @@ def _draw_figure_1(folder: Path, manifold: MotionManifold, take: np.ndarray, see
     zeroed = zero_values(manifold.normalise(truth), P, np.random.default_rng(seed))
     corrupted = manifold.denormalise(zeroed)
     motions = {
-        "half of the values removed": (corrupted, CORRUPTED),
-        "projected": (manifold.project(corrupted), PROJECTED),
-        "truth": (truth, TRUTH),
+        "half of the values removed": (corrupted, viz.CORRUPTED),
+        "projected": (manifold.project(corrupted), viz.PROJECTED),
+        "truth": (truth, viz.TRUTH),
     }
-    save_figure(strip_figure(local_actors(motions), RATE, azimuth=55.0), folder / "figure_1.png")
+    viz.save_figure(
+        viz.strip_figure(local_actors(motions), RATE, azimuth=55.0), folder / "figure_1.png"
+    )

@@ -9,7 +9,7 @@ examples, with the files that `numpy-cae demo` writes:
 
 import argparse
 
-from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
+from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.manifold import keyframe_mask
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, fill_motion
@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
     """Load, fill and write each motion."""
     if damage_options.is_chosen(args) == bool(args.keyframes):
         raise ValueError("say what is missing: --joint, --limb, --frames, --mask or --keyframes")
-    manifold = one_motion.load_model(args)
+    manifold = files.load_model(args)
 
     def fill(motion: Motion) -> Repaired:
         findings = damage_options.chosen_findings(args, motion)

@@ -8,7 +8,7 @@ example, with the files that `numpy-cae demo` writes:
 import argparse
 from pathlib import Path
 
-from numpy_cae.cli.shared import arguments, one_motion
+from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION, shares, with_path
@@ -24,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("first", type=Path, help="first motion file (.bvh or .amc)")
     add("second", type=Path, help="second motion file, of any rig")
-    one_motion.add_output_arguments(parser)
-    one_motion.add_model_arguments(parser)
+    files.add_output_arguments(parser)
+    files.add_model_arguments(parser)
     add(
         "--share",
         type=lambda text: text if text == TRANSITION else arguments.fraction(text),
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Interpolate the hidden units of the two motions."""
     require_bvh(args.output)
-    manifold = one_motion.load_model(args)
+    manifold = files.load_model(args)
     reading = arguments.reading(args)
     motions = [load_body(path, **reading)[1] for path in (args.first, args.second)]
     first, second = (Body(motion, manifold.lengths) for motion in motions)
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     between = with_path(interpolate(manifold, *sources, args.share), *sources, args.share)
     frames = len(between)
     note(f"{len(first.features)} and {len(second.features)} frames at 30 a second, {frames} used")
-    one_motion.write(first.to_rig(between), args.output)
+    files.write(first.to_rig(between), args.output)
     if args.html:
         share = "transition" if args.share == TRANSITION else f"{args.share:.0%} of the second"
         shown = {
@@ -56,5 +56,5 @@ def run(args: argparse.Namespace) -> int:
         }
         rows = {f"share of {args.second.stem}": shares(args.share, frames)[:, 0]}
         actors = world_actors(shown)  # all begin at one place and face one way
-        one_motion.write_page(args.output, "both motions and the one between", actors, rows)
+        files.write_page(args.output, "both motions and the one between", actors, rows)
     return 0

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared import arguments, change_files, damage_options, one_motion
+from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import Motion
 from numpy_cae.repair import PRESETS, Finding, Preset, Repaired, project_motion, repair
@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Load, repair and write each motion."""
-    manifold = one_motion.load_model(args)
+    manifold = files.load_model(args)
     preset = _preset(args)
     if args.project and (damage_options.is_chosen(args) or preset != Preset()):
         what = "--joint, --mask, --from, --smooth, --feet and --sensitivity"

@@ -7,17 +7,13 @@ example, with the files that `numpy-cae demo` writes:
 """
 
 import argparse
-from functools import partial
 
 import numpy as np
 
-from numpy_cae.cli.shared import arguments, one_motion
-from numpy_cae.cli.shared.takes import usable
-from numpy_cae.cli.shared.targets import named_files
+from numpy_cae.cli.shared import arguments, files
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
 from numpy_cae.mocap import load_body
-from numpy_cae.mocap.bodies import read_body
 from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.retarget.body import Body, hold_first_pose
 from numpy_cae.motion import RATE, Motion, features_to_positions
@@ -30,8 +26,8 @@ SECONDS = 5.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The model, the prior, and the number and length of the motions."""
-    one_motion.add_output_arguments(parser)
-    one_motion.add_model_arguments(parser)
+    files.add_output_arguments(parser)
+    files.add_model_arguments(parser)
     add = parser.add_argument
     add("--data", **arguments.FOLDERS, help="folders of motions that the prior is fitted to")
     add("--number", **arguments.COUNT, default=1, help="number of motions (default: 1)")
@@ -43,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     require_bvh(args.output)
-    manifold = one_motion.load_model(args, sequential=True)
+    manifold = files.load_model(args, sequential=True)
     rng = np.random.default_rng(args.seed)
     if isinstance(manifold, SequenceManifold):
         if args.data or args.like or args.seconds:
@@ -54,13 +50,13 @@ def run(args: argparse.Namespace) -> int:
         motions = _draw(args, manifold, rng)
     for number, motion in enumerate(motions, start=1):
         stem = args.output.stem if args.number == 1 else f"{args.output.stem}_{number}"
-        one_motion.write(motion, args.output.with_stem(stem))
+        files.write(motion, args.output.with_stem(stem))
     if args.html:
         actors = [
             motion_actor(motion, f"sample {number}", PROJECTED, RATE)
             for number, motion in enumerate(motions, start=1)
         ]
-        one_motion.write_page(args.output, f"{args.number} drawn from the prior", actors)
+        files.write_page(args.output, f"{args.number} drawn from the prior", actors)
     return 0
 
 
@@ -71,8 +67,8 @@ def _draw(
     reading = arguments.reading(args)
     prior = None  # uniform
     if args.data:
-        bodies = usable(list(named_files(args.data)), partial(read_body, **reading))
-        encoded = [manifold.features(positions)[0] for _, (positions, _) in bodies]
+        bodies = files.bodies(args, list(files.named_files(args.data)))
+        encoded = [manifold.features(positions)[0] for _, positions in bodies]
         prior = NeighbourPrior(encode_windows(manifold, encoded))
     frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
     like = load_body(args.like, **reading)[1] if args.like else None

@@ -10,7 +10,7 @@ import argparse
 from pathlib import Path
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.cli.shared.targets import require_one_target_each
+from numpy_cae.cli.shared.files import require_one_target_each
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

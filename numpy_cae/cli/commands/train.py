@@ -14,21 +14,60 @@ import argparse
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from numpy_cae import viz
+from numpy_cae import training, viz
 from numpy_cae.atomic_write import require_place
-from numpy_cae.cli.shared import arguments, train_options
-from numpy_cae.cli.shared.takes import in_halves, read_takes, usable
+from numpy_cae.cli.shared import arguments
+from numpy_cae.cli.shared.files import bodies, in_halves, usable
 from numpy_cae.evaluation.half_removed import NOTE, half_removed
 from numpy_cae.evaluation.reconstruction import reconstruction
 from numpy_cae.manifold import learn_manifold, learn_sequences
+from numpy_cae.manifold.learning import HIDDEN, LATENT
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.load import is_test, load_angles
+from numpy_cae.motion import RATE
 from numpy_cae.motion.angles import ANGLE_RATE
-from numpy_cae.training import Checkpoint, ProgressPrinter
+from numpy_cae.motion.clips import CLIP
+from numpy_cae.motion.windows import LENGTH
+
+_STARTER = training.Stage(
+    epochs=50,
+    rate=3e-4,
+    alpha=0.0,
+    batch=16,
+    zeroed=(0.0, 0.3),
+    optimiser="adam",
+    rate_schedule="one-cycle",
+    displacement=0.3,
+    noise=0.02,
+)
+MIRRORED = ("starter",)
+"""Recipes that learn from mirrored copies as well."""
+RECIPES = training.RECIPES | {
+    "starter": training.Schedule(layer=training.Stage(epochs=0), fine_tuning=_STARTER)
+}
+
+COMMON = {
+    "epochs": "number of epochs; with recipe paper of each layer, and of fine tuning",
+    "rate": "learning rate of the first epoch, or the peak with recipes fast and best; with recipe "
+    "paper of the layers, not of fine tuning",
+    "batch": "number of windows or clips in one step",
+}
+CONVOLUTIONAL = {
+    "window": f"number of frames in a window, at 30 a second (default: {LENGTH})",
+    "filters": "number of filters of each layer (default: 64 128 256)",
+}
+SEQUENTIAL = {
+    "steps": "number of steps in an epoch",
+    "hidden": f"number of hidden units of each GRU (default: {HIDDEN})",
+    "latent": f"number of latent variables (default: {LATENT})",
+    "frames": f"number of frames in a clip, at 25 a second (default: {CLIP})",
+}
+"""Help of each option, of both models and of one; the recipe sets what has no default here."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,22 +79,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     models = ("convolutional", "sequential")
     model = f"network of holden2015 or, for one action, of jang2018 (default: {models[0]})"
     add("--model", choices=models, default=models[0], help=model)
-    add("--recipe", choices=train_options.RECIPES, default="paper", help="recipe (default: paper)")
+    add("--recipe", choices=RECIPES, default="paper", help="recipe (default: paper)")
     engine = "code that computes the gradients: `fast`, or the definitions in `ops` (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
     add("--resume", **arguments.FLAG, help="continue an interrupted run; the result is identical")
     arguments.add_shared(parser, "seed quiet mapping unit up floor")
-    train_options.add_options(parser, "training", train_options.COMMON)
-    train_options.add_options(parser, "convolutional model", train_options.CONVOLUTIONAL)
-    train_options.add_options(parser, "sequential model", train_options.SEQUENTIAL)
+    add_options(parser, "training", COMMON)
+    add_options(parser, "convolutional model", CONVOLUTIONAL)
+    add_options(parser, "sequential model", SEQUENTIAL)
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, train, save, measure and draw."""
-    train_options.require_options_of_model(args)
+    require_options_of_model(args)
     require_place(args.output)
     state = args.output.with_name(f"{args.output.stem}.checkpoint.npz")
-    checkpoint = Checkpoint(state, resume=args.resume)
+    checkpoint = training.Checkpoint(state, resume=args.resume)
     if args.resume and args.output.exists() and not state.exists():
         print(f"{args.output}: is complete, there is nothing to continue")
         return 0
@@ -63,7 +102,7 @@ def run(args: argparse.Namespace) -> int:
     with interruptible(checkpoint):
         settings = {
             "seed": args.seed,
-            "report": None if args.quiet else ProgressPrinter(),
+            "report": None if args.quiet else training.ProgressPrinter(),
             "checkpoint": checkpoint,
             "engine": args.engine,
         }
@@ -89,34 +128,34 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
     """Learn the convolutional model from every file in the folders."""
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for group in files.values() for path in group]
-    training, testing = read_takes(paths, args.test, **arguments.reading(args))
-    settings |= {"mirror": args.recipe in train_options.MIRRORED}
-    settings |= {"testing": testing} | train_options.given(args, *train_options.CONVOLUTIONAL)
-    manifold = learn_manifold(training, train_options.schedule_of(args), **settings)
+    takes, testing = in_halves(bodies(args, paths), args.test, RATE)
+    settings |= {"mirror": args.recipe in MIRRORED}
+    settings |= {"testing": testing} | given(args, *CONVOLUTIONAL)
+    manifold = learn_manifold(takes, schedule_of(args), **settings)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(group)}
         | {"test": sum(is_test(path, args.test) for path in group)}
         for folder, group in files.items()
     ]
     source = f"{manifold.settings['windows']} windows"
-    return manifold, source, lambda: f"{half_removed(manifold, training, testing).text()}\n\n{NOTE}"
+    return manifold, source, lambda: f"{half_removed(manifold, takes, testing).text()}\n\n{NOTE}"
 
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the sequential model of one action from every file in the folders."""
     paths = [path for folder in args.folders for path in find_motion_files(folder)]
-    takes = usable(paths, partial(load_angles, **arguments.reading(args)))
-    training, testing = in_halves(takes, args.test, ANGLE_RATE)
-    schedule = train_options.sequence_schedule_of(args, args.recipe)
-    settings |= train_options.given(args, "hidden", "latent", "frames")
-    manifold = learn_sequences(training, schedule, **settings)
-    source = f"clips of {manifold.frames} frames of {len(training)} motions"
+    read = usable(paths, partial(load_angles, **arguments.reading(args)))
+    takes, testing = in_halves(read, args.test, ANGLE_RATE)
+    schedule = sequence_schedule_of(args, args.recipe)
+    settings |= given(args, "hidden", "latent", "frames")
+    manifold = learn_sequences(takes, schedule, **settings)
+    source = f"clips of {manifold.frames} frames of {len(takes)} motions"
     name = args.folders[0].resolve().name
-    return manifold, source, lambda: reconstruction(name, manifold, training, testing).text()
+    return manifold, source, lambda: reconstruction(name, manifold, takes, testing).text()
 
 
 @contextmanager
-def interruptible(checkpoint: Checkpoint) -> Iterator[None]:
+def interruptible(checkpoint: training.Checkpoint) -> Iterator[None]:
     """A block that Ctrl-C or SIGTERM ends with a message that says where the last state is.
 
     Raises CheckpointError if a run was interrupted, or is still running, and is not to be resumed.
@@ -129,3 +168,43 @@ def interruptible(checkpoint: Checkpoint) -> Iterator[None]:
     except KeyboardInterrupt:
         advice = "; continue with --resume" if checkpoint.path.exists() else ""
         raise KeyboardInterrupt(f"{checkpoint.status()}{advice}") from None
+
+
+def add_options(parser: argparse.ArgumentParser, title: str, options: dict[str, str]) -> None:
+    """Add a group of options. The parsed value is None where an option is not given."""
+    group = parser.add_argument_group(title)
+    for name, text in options.items():
+        number = arguments.rate if name == "rate" else arguments.positive_number
+        count = "+" if name == "filters" else None
+        group.add_argument(f"--{name}", type=number, nargs=count, metavar="N", help=text)
+
+
+def given(args: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Those of the named options that are given, with their values."""
+    return {name: getattr(args, name) for name in names if getattr(args, name) is not None}
+
+
+def require_options_of_model(args: argparse.Namespace) -> None:
+    """Raise ValueError where an option or a recipe of the other model is given."""
+    sequential = args.model == "sequential"
+    for name in given(args, *(CONVOLUTIONAL if sequential else SEQUENTIAL)):
+        raise ValueError(f"--{name} is not an option of the {args.model} model")
+    if sequential and args.recipe not in training.SEQUENCE_RECIPES:
+        raise ValueError(f"--recipe {args.recipe} is for the convolutional model")
+
+
+def schedule_of(args: argparse.Namespace) -> training.Schedule:
+    """The recipe with the options that are given."""
+    schedule = RECIPES[args.recipe]
+    changed = given(args, *COMMON)
+    if schedule.layer.epochs:
+        schedule = replace(schedule, layer=replace(schedule.layer, **changed))
+        changed.pop("rate", None)
+    return replace(schedule, fine_tuning=replace(schedule.fine_tuning, **changed))
+
+
+def sequence_schedule_of(
+    args: argparse.Namespace, recipe: str = "paper"
+) -> training.SequenceSchedule:
+    """The schedule of the sequential model that the recipe and the options describe."""
+    return replace(training.SEQUENCE_RECIPES[recipe], **given(args, *COMMON, "steps"))

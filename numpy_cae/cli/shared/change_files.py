@@ -1,22 +1,21 @@
 """What `repair` and `fill` share: each file is loaded, changed, written and reported."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 
-from numpy_cae.cli.shared import arguments, one_motion, pages
+from numpy_cae.cli.shared import arguments, files, pages
 from numpy_cae.cli.shared.output import working
-from numpy_cae.cli.shared.targets import is_single, targets_of
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError
 from numpy_cae.mocap.load import FileMotion, load_motion
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
-from numpy_cae.repair.repaired import MOST_PRINTED, NOT_DONE, count, measures, sentences
-from numpy_cae.viz.viewer import after_text
+from numpy_cae.repair import repaired as report
 
 READING = 1 / 4
 """READING: the share of the time of a repair that reading takes (docs/lab_book/hard_use.md)."""
@@ -27,21 +26,23 @@ TRY = (
     "nothing was changed. Are the up axis (--up) and the joints (`numpy-cae rig`) right? Name what "
     "is damaged (--joint, --frames), or where the motion is from (--from)"
 )
+NOT_REPEATED = "command run files output dry_run overwrite html findings only".split()
+"""NOT_REPEATED: what the command of one finding does not repeat."""
 ANYWAY = 'to repair some anyway: --findings f.json, add "accept": true to them, then --mask f.json'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, the model, the output and the page."""
     add = parser.add_argument
-    files = "motion files, or folders that are searched with their subfolders"
-    add("files", type=Path, nargs="+", metavar="FILE_OR_FOLDER", help=files)
+    named = "motion files, or folders that are searched with their subfolders"
+    add("files", type=Path, nargs="+", metavar="FILE_OR_FOLDER", help=named)
     output = "for one motion the file to write: in the same format, where unchanged text is kept, "
     output += "or .bvh. For several motions a folder, created if it does not exist"
     add("-o", "--output", type=Path, help=output)
     add("--dry-run", **arguments.FLAG, help="print what would be changed and write nothing")
     add("--overwrite", **arguments.FLAG, help="replace files that exist, also those that are read")
     arguments.add_shared(parser, "html")
-    one_motion.add_model_arguments(parser)
+    files.add_model_arguments(parser)
 
 
 def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired]) -> int:
@@ -53,12 +54,12 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired])
     Returns the exit status: 0 if all files could be used, 1 if some, 2 if none; of one file in
     which nothing was changed `UNCHANGED` or `UNLIKE`.
     """
-    targets = targets_of(args)
-    single = is_single(args)
+    targets = files.targets_of(args)
+    single = files.is_single(args)
     reading = arguments.reading(args)
     rows: list[pages.Row] = []
     unusable: list[str] = []
-    with working(str(args.files[0]) if single else count(len(targets), "file")) as is_done:
+    with working(str(args.files[0]) if single else report.count(len(targets), "file")) as is_done:
         for number, (source, target) in enumerate(targets.items()):
             try:
                 motion = load_motion(source, **reading)
@@ -75,9 +76,11 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion], Repaired])
         return rows[0].status
     if rows:
         together = np.sum([row.numbers for row in rows], axis=0)
-        print(f"{count(len(rows), 'file')}: {pages.in_words(together)}")
+        print(f"{report.count(len(rows), 'file')}: {in_words(together)}")
         if args.html and not args.dry_run:
-            print(f"{pages.write_index(args.output, rows)}: all of them; open it in a browser")
+            index = args.output / "index.html"
+            pages.write_index(index, rows)
+            print(f"{index}: all of them; open it in a browser")
     if unusable:
         print(f"\n{len(unusable)} of {len(targets)} files could not be used:", *unusable, sep="\n")
     return bool(unusable) + (not rows)
@@ -89,16 +92,17 @@ def _changed(
     """Write a changed motion, its page and its findings, and print what was changed."""
     status = _status(args, motion, repaired)
     advised = args.command == "repair" and not (args.source or args.smooth or args.feet)
-    again = pages.command_of(args, source, target or Path("fixed.bvh")) + " --html" * args.html
-    said = sentences(repaired, again * advised) + [TRY] * (status == UNLIKE)
-    values = measures(motion, repaired.motion)
-    row = pages.Row(source, pages.numbers_of(repaired, values), status)
+    again = command_of(args, source, target or Path("fixed.bvh")) + " --html" * args.html
+    said = report.sentences(repaired, again * advised) + [TRY] * (status == UNLIKE)
+    values = report.measures(motion, repaired.motion)
+    row = _row(source, repaired, values, status)
     if args.command == "fill":  # without its number of findings
         said = said[1:]
         values = [each for each in values if f"{each[1]:.3g}" != f"{each[2]:.3g}"]
+    changes = [(name, f"{old:.3g}", _after_text(old, new)) for name, old, new in values]
     written = {}
     if target is not None:
-        if not is_single(args):
+        if not files.is_single(args):
             target.parent.mkdir(parents=True, exist_ok=True)
         assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
         repaired.motion.save(target, motion)
@@ -107,21 +111,73 @@ def _changed(
         page = target.with_suffix(".html")
         written[page] = "not written, since nothing was changed"
         if not status or repaired.listed():
-            strip = pages.write_page(args, (source, target), motion, repaired, said, values)
+            shown = _heading(args, source, target, repaired)
+            strip = pages.write_page(
+                page, motion, repaired, summary=said, measures=changes, **shown
+            )
             row = row._replace(page=page, strip=strip)
             written[page] = "before and after; open it in a browser"
     if getattr(args, "findings", None):
         written |= _write_findings(args, source, repaired)
-    if is_single(args):
-        changes = [f"{name}: {old:.3g} → {after_text(old, new)}" for name, old, new in values]
-        said[2:2] = ["; ".join(changes)] * bool(changes)
+    if files.is_single(args):
+        said[2:2] = ["; ".join(f"{name}: {a} → {b}" for name, a, b in changes)] * bool(changes)
         said += _details(repaired)
         print(f"{source}: {len(motion)} frames, {motion.note}", *said, sep="\n  ")
         for path, content in written.items():
             print(f"{path}: {content}")
     else:
-        print(f"{source}: {pages.in_words(row.numbers)}")
+        print(f"{source}: {row.said}")
     return row
+
+
+def _row(source: Path, repaired: Repaired, values: report.Measures, status: int) -> pages.Row:
+    motion = repaired.motion
+    changed = np.count_nonzero(repaired.touched.any(axis=1)) / motion.rate
+    numbers = (len(repaired.findings), changed, motion.seconds, *values[0][1:])
+    return pages.Row(source, numbers, in_words(numbers), status)
+
+
+def in_words(numbers: Sequence[float]) -> str:
+    """The numbers of a row, or the sums of several; no findings where all was asked for."""
+    findings, changed, seconds, before, after = numbers
+    found = "" if changed and not findings else f"{report.count(int(findings), 'finding')}, "
+    return (
+        f"{found}{changed:.1f} of {seconds:.1f} s changed, "
+        f"frames with a jump {before:.0f} → {after:.0f}"
+    )
+
+
+def _after_text(before: float, after: float) -> str:
+    """The value after, marked if it is worse: larger by more than 1% and 0.1."""
+    return f"{after:.3g}{' (worse)' if after > 1.01 * before + 0.1 else ''}"
+
+
+def _heading(
+    args: argparse.Namespace, source: Path, target: Path, repaired: Repaired
+) -> dict[str, str]:
+    """The title of a page, and the command that repairs one finding: the page writes the number of
+    the finding in the name of the file, and adds --only."""
+    if args.command == "fill":
+        return {"title": f"{source.name}, {report.filled(repaired)}"}
+    own = target.with_stem(f"{target.stem}_finding_0")
+    return {"title": f"{source.name}: before and after", "command": command_of(args, source, own)}
+
+
+def command_of(args: argparse.Namespace, source: Path, target: Path) -> str:
+    """This command for one file, into `target`, with every option that changes the result."""
+    words = ["numpy-cae", "repair", source, "-o", target]
+    for name, value in vars(args).items():
+        if name in NOT_REPEATED or value in (None, False, []):
+            continue
+        option = "--from" if name == "source" else f"--{name}"
+        each = value if isinstance(value, list) else [value]
+        if value is True:
+            words.append(option)
+        elif len(each) > 1 and name != "mapping":
+            words += [option, *each]
+        else:  # --mapping is repeated
+            words += [f"{option}={one}" for one in each]
+    return " ".join(quote(str(word)) for word in words)
 
 
 def _status(args: argparse.Namespace, motion: Motion, repaired: Repaired) -> int:
@@ -139,7 +195,7 @@ def _details(repaired: Repaired) -> list[str]:
         return repr(repaired).splitlines() if repaired.touched.any() else []
     numbered = [f"{number}. {each}" for number, each in enumerate(listed[:findings], start=1)]
     lines = _first(numbered)
-    for status, name in NOT_DONE.items():
+    for status, name in report.NOT_DONE.items():
         # Without the status, whose reason is printed once, above.
         some = [f"  {replace(each, status='repaired')}" for each in listed if each.status == status]
         lines += [f"{name}:", *_first(some)] if some else []
@@ -148,16 +204,16 @@ def _details(repaired: Repaired) -> list[str]:
 
 def _first(lines: list[str]) -> list[str]:
     """The first lines, and how many more there are."""
-    more = len(lines) - MOST_PRINTED
-    return lines[:MOST_PRINTED] + [f"  and {more} more"] * (more > 0)
+    more = len(lines) - report.MOST_PRINTED
+    return lines[: report.MOST_PRINTED] + [f"  and {more} more"] * (more > 0)
 
 
 def _write_findings(args: argparse.Namespace, source: Path, repaired: Repaired) -> dict[Path, str]:
     """Write the file of --findings, or one in its folder; what was written, in words."""
     path = args.findings
-    if not is_single(args):
+    if not files.is_single(args):
         path.mkdir(parents=True, exist_ok=True)
         path = path / f"{source.stem}.json"
     write_findings(path, repaired.listed())
-    proposals = count(len(repaired.proposed), "proposal")
-    return {path: f"{count(len(repaired.findings), 'finding')}, {proposals}"}
+    proposals = report.count(len(repaired.proposed), "proposal")
+    return {path: f"{report.count(len(repaired.findings), 'finding')}, {proposals}"}

@@ -4,7 +4,6 @@ Angles are about fixed axes in the order of the skeleton's `dof` (the root's: in
 `rx ry rz` is therefore R = R_z · R_y · R_x; the module `asf` defines the axes.
 """
 
-import logging
 from array import array
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,26 +15,13 @@ import numpy as np
 from numpy_cae.mocap.coordinates import stated_unit, stature
 from numpy_cae.mocap.formats.asf import ANGLE_UNITS, AcclaimSkeleton, read_asf, statements
 from numpy_cae.mocap.formats.channels import Channels, read_pose
-from numpy_cae.mocap.formats.text_file import (
-    HEADER_SIZE,
-    MotionFileError,
-    TextFile,
-    quoted,
-    whole_number,
-)
+from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile, quoted, whole_number
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
-
-log = logging.getLogger(__name__)
 
 CMU_RATE = 120.0
 
 
-def read_amc(
-    path: str | Path,
-    skeleton_path: str | Path | None = None,
-    unit: float | None = None,
-    max_rate: float | None = None,
-) -> Motion:
+def read_amc(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:
     r"""Read an Acclaim motion; a joint is named for its bone and is at the bone's base.
 
     The format does not state the number of frames. A file that has been cut off is therefore
@@ -43,7 +29,7 @@ def read_amc(
 
     Parameters
     ----------
-    path, skeleton_path : paths of the .amc and .asf file; by default `find_skeleton` finds the .asf
+    path : path of the .amc file, whose .asf file `find_skeleton` finds
     unit, max_rate : float, optional
         As in `read_bvh`; by default the unit is the skeleton's. The rate is stated by
         `:SAMPLES-PER-SECOND`; few files have this, and 120, CMU's rate, is assumed in the others.
@@ -71,10 +57,7 @@ def read_amc(
     (120.0, array([0.   , 0.889, 0.   ]))
     """
     file = TextFile.read(path)
-    if skeleton_path is None:
-        skeleton_path = find_skeleton(path)
-        log.info("%s: skeleton from %s", path, skeleton_path)
-    acclaim = read_asf(skeleton_path, unit)
+    acclaim = read_asf(find_skeleton(path), unit)
     channels, rate, header = _read_header(file, acclaim)
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     rate = rate if step == 1 or max_rate is None else max_rate
@@ -88,7 +71,7 @@ def read_amc(
 
 def amc_channels(path: str | Path, unit: float) -> list[Channels]:
     """The channels of each joint of an Acclaim motion; `unit` is metres in its unit of length."""
-    file = TextFile.read(path, size=HEADER_SIZE)
+    file = TextFile.read(path, header=True)
     return _read_header(file, read_asf(find_skeleton(path), unit))[0]
 
 

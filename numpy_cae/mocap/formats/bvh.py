@@ -31,13 +31,7 @@ import numpy as np
 
 from numpy_cae.mocap.coordinates import guess_unit, require_unit, stated_unit, stature
 from numpy_cae.mocap.formats.channels import Channels, read_pose
-from numpy_cae.mocap.formats.text_file import (
-    HEADER_SIZE,
-    MAX_JOINTS,
-    TextFile,
-    quoted,
-    whole_number,
-)
+from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
 SLOWEST_RATE, FASTEST_RATE = 8.0, 2000.0
@@ -122,8 +116,6 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     >>> len(motion), motion.skeleton.names[:2]
     (240, ('root', 'lhipjoint'))
     """
-    if unit is not None:
-        unit = require_unit(unit)
     file = TextFile.read(path)
     joints, motion_line, skipped = read_hierarchy(file)
     rate, values, miscounted = _read_motion(file, motion_line, joints, max_rate)
@@ -136,10 +128,10 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     # One joint at a time: the squares of an hour of all take a third of a gigabyte.
     lengths = np.nanmedian([np.linalg.norm(x, axis=1) for x in translations.swapaxes(0, 1)], axis=1)
     height = stature(skeleton, lengths)
-    if unit is not None:
-        note = stated_unit(unit, "as given", unit * height)
-    else:
+    if unit is None:
         unit, note = guess_unit(height)
+    else:
+        note = stated_unit(require_unit(unit), "as given", unit * height)
     translations *= unit
     still = [Note("still", "nothing moves: all frames are equal")] if is_still else []
     notes = (note, *skipped, *miscounted, *still)
@@ -148,7 +140,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
 
 def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
     """The channels of each joint of a BVH file; `unit` is metres in its unit of length."""
-    joints, *_ = read_hierarchy(TextFile.read(path, size=HEADER_SIZE))
+    joints, *_ = read_hierarchy(TextFile.read(path, header=True))
     return _channels(joints, unit)
 
 
@@ -232,80 +224,73 @@ def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, list[Note]]:
 
     Raises MotionFileError if the block is not valid BVH.
     """
-    tree = _Tree(file)
+    joints: dict[str, BvhJoint] = {}  # by their names without prefix
+    blocks: list[BvhJoint] = []  # those that have not ended, the root's first
     skipped: list[int] = []
     for line, keyword, value in _statements(file, skipped):
-        tree.require_expected(line, keyword, value)
+        _require_expected(file, line, f"{keyword} {value}".strip(), blocks, bool(joints))
         if keyword == "MOTION":
             lines = f"{len(skipped)} unknown line{'s' * (len(skipped) > 1)} of the hierarchy"
             text = f"skipped {lines}, first line {skipped[0]}" if skipped else ""
-            return tree.joints, line, [Note("skipped lines", text)] if skipped else []
-        tree.add(line, keyword, value)
-    raise file.error(file.count, f"the file ends{tree.place} without MOTION: is it cut off?")
-
-
-class _Tree:
-    """The joints that have been read, their names without prefix, and the blocks that have not
-    ended, the root's first."""
-
-    def __init__(self, file: TextFile):
-        self.file = file
-        self.joints: list[BvhJoint] = []
-        self.names: set[str] = set()
-        self.blocks: list[BvhJoint] = []
-
-    @property
-    def place(self) -> str:
-        """The block that has not ended, for an error."""
-        return f" in {self.blocks[-1].name!r} (line {self.blocks[-1].line})" if self.blocks else ""
-
-    def require_expected(self, line: int, keyword: str, value: str) -> None:
-        """Raise MotionFileError unless a statement with this keyword may follow here."""
-        expected = ["MOTION"] if self.joints else ["ROOT"]
-        if self.blocks:
-            expected = self.blocks[-1].may_follow
-        elif keyword == "ROOT" and self.joints:
-            problem = f"a second ROOT, {quoted(value)}: a file may hold one skeleton; delete this"
-            raise self.file.error(line, f"{problem} one and its columns of values")
-        if keyword not in expected:
-            found = quoted(f"{keyword} {value}".strip())
-            problem = f"expected {' or '.join(expected)}{self.place}, found {found}"
-            raise self.file.error(line, problem)
-
-    def add(self, line: int, keyword: str, value: str) -> None:
-        """Add what a statement says to the joints."""
-        if keyword in ("ROOT", "JOINT"):
-            self._add_joint(line, keyword, value)
-            return
-        block = self.blocks[-1]
+            return [*joints.values()], line, [Note("skipped lines", text)] if skipped else []
         if keyword == "{":
-            block.is_open = True
+            blocks[-1].is_open = True
         elif keyword == "OFFSET":
             words = [word.strip(",") for word in value.translate(_BRACKETS).split()]
             words = words if len(words) == 3 else value.translate(_BRACKETS | _COMMA).split()
-            block.offset = self.file.numbers(line, words, 3, "OFFSET")
+            blocks[-1].offset = file.numbers(line, words, 3, "OFFSET")
         elif keyword == "CHANNELS":
-            block.channels = _channel_names(self.file, line, value)
-        elif keyword == "End Site":
-            name = f"End Site of {block.name}"
-            self.blocks.append(BvhJoint(name, block.index, block.index, line, is_end_site=True))
-        else:
-            self.blocks.pop()
+            blocks[-1].channels = _channel_names(file, line, value)
+        elif keyword == "}":
+            block = blocks.pop()
             if block.is_end_site:
-                joint = self.joints[block.index]
-                joint.tip = joint.tip or block.offset
+                blocks[-1].tip = blocks[-1].tip or block.offset
+        else:
+            blocks.append(_new_block(file, line, keyword, value, blocks, joints))
+    raise file.error(file.count, f"the file ends{_place(blocks)} without MOTION: is it cut off?")
 
-    def _add_joint(self, line: int, keyword: str, name: str) -> None:
-        plain = name.rsplit(":", 1)[-1]
-        if not name or plain in self.names:
-            problem = "expected a name that is unique without its prefix up to a colon"
-            raise self.file.error(line, f"{keyword} {name!r}: {problem}")
-        if len(self.joints) == MAX_JOINTS:
-            raise self.file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
-        parent = self.blocks[-1].index if self.blocks else -1
-        self.blocks.append(BvhJoint(name, len(self.joints), parent, line))
-        self.joints.append(self.blocks[-1])
-        self.names.add(plain)
+
+def _require_expected(
+    file: TextFile, line: int, statement: str, blocks: list[BvhJoint], has_joints: bool
+) -> None:
+    """Raise MotionFileError unless this statement may follow here."""
+    keyword, _, name = statement.partition(" ")
+    expected = ["MOTION"] if has_joints else ["ROOT"]
+    if blocks:
+        expected = blocks[-1].may_follow
+    elif keyword == "ROOT" and has_joints:
+        problem = f"a second ROOT, {quoted(name)}: a file may hold one skeleton; delete this"
+        raise file.error(line, f"{problem} one and its columns of values")
+    if keyword not in expected and statement not in expected:
+        problem = f"expected {' or '.join(expected)}{_place(blocks)}, found {quoted(statement)}"
+        raise file.error(line, problem)
+
+
+def _place(blocks: list[BvhJoint]) -> str:
+    """The block that has not ended, for an error."""
+    return f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
+
+
+def _new_block(
+    file: TextFile,
+    line: int,
+    keyword: str,
+    name: str,
+    blocks: list[BvhJoint],
+    joints: dict[str, BvhJoint],
+) -> BvhJoint:
+    """The joint or End Site that begins on a line; a joint is added to the joints."""
+    parent = blocks[-1].index if blocks else -1
+    if keyword == "End Site":
+        return BvhJoint(f"End Site of {blocks[-1].name}", parent, parent, line, is_end_site=True)
+    plain = name.rsplit(":", 1)[-1]
+    if not name or plain in joints:
+        problem = "expected a name that is unique without its prefix up to a colon"
+        raise file.error(line, f"{keyword} {name!r}: {problem}")
+    if len(joints) == MAX_JOINTS:
+        raise file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
+    joints[plain] = BvhJoint(name, len(joints), parent, line)
+    return joints[plain]
 
 
 def _statements(file: TextFile, skipped: list[int]) -> Iterator[tuple[int, str, str]]:

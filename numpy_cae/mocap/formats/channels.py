@@ -87,21 +87,15 @@ class Channels:
             inverse = quaternions.inverse(self.axes)
             local = quaternions.product(quaternions.product(inverse, local), self.axes)
         angles = quaternions.nearest_angles(local, self.order)
-        jump = 0 if before is None else len(angles)
-        if before is None and after is None:
-            before = present[0]
-            jump = len(angles)
-        elif before is not None and after is not None:
+        if before is not None and after is not None:
             steps = np.abs(np.diff(np.vstack([before, present, after]), axis=0))
             jump = int(np.argmax(steps.max(axis=1)))
-        parts = []
-        if jump > 0 and before is not None:
-            parts.append(quaternions.continuous_angles(angles[:jump], self.angle_unit * before))
-        if jump < len(angles) and after is not None:
-            parts.append(
-                quaternions.continuous_angles(angles[jump:][::-1], self.angle_unit * after)[::-1]
-            )
-        return np.concatenate(parts) / self.angle_unit
+        else:
+            jump = len(angles) if after is None else 0
+        start, end = (present[0] if x is None else x for x in (before, after))
+        first = quaternions.continuous_angles(angles[:jump], self.angle_unit * start)
+        last = quaternions.continuous_angles(angles[jump:][::-1], self.angle_unit * end)[::-1]
+        return np.concatenate([first, last]) / self.angle_unit
 
 
 def read_pose(

@@ -42,8 +42,8 @@ class TextFile:
     data: bytes
 
     @classmethod
-    def read(cls, path: str | Path, most: int = MAX_BYTES, size: int = -1) -> TextFile:
-        """Read a file, or its first `size` bytes, with any line ends and any byte order mark.
+    def read(cls, path: str | Path, most: int = MAX_BYTES, header: bool = False) -> TextFile:
+        """Read a file, or its `header` alone, with any line ends and any byte order mark.
 
         Raises MotionFileError if it is no regular file, is empty, not text or longer than `most`.
         """
@@ -54,7 +54,7 @@ class TextFile:
                 problem = f"has {bytes_in_all} bytes, expected a regular file of at most {most}"
                 raise MotionFileError(path, None, problem)
             with path.open("rb") as file:
-                data = file.read(size)
+                data = file.read(HEADER_SIZE if header else -1)
         except OSError as error:
             raise MotionFileError(path, None, f"cannot be read: {error.strerror}") from None
         if not data or data.isspace():

@@ -16,14 +16,8 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.coordinates import as_in_file, require_unit
 from numpy_cae.mocap.formats.text_file import MAX_JOINTS, MAX_VALUE
-from numpy_cae.motion.motion import (
-    MAX_RATE,
-    MIN_RATE,
-    Motion,
-    Skeleton,
-    depth_first,
-    require_finite,
-)
+from numpy_cae.motion import Motion, Skeleton
+from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, depth_first, require_finite
 from numpy_cae.motion.quaternions import continuous_angles, nearest_angles
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
@@ -69,6 +63,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     >>> Path("walk.bvh").read_text().splitlines()[:2]
     ['HIERARCHY', 'ROOT root']
     """
+    require_bvh(path)
     unit = require_unit(motion.unit if unit is None else unit)
     motion = as_in_file(motion)
     require_finite(motion)
@@ -112,11 +107,8 @@ def _joint_lines(
     def offset(vector: np.ndarray) -> str:
         return "OFFSET " + " ".join(_length_format(unit) % value for value in vector / unit)
 
-    still_open: list[int] = []
-    for joint in order:
-        while still_open and still_open[-1] != skeleton.parents[joint]:
-            still_open.pop()
-            yield "  " * len(still_open) + "}"
+    depths = [len(skeleton.path(joint)) - 1 for joint in order]
+    for joint, depth, next_depth in zip(order, depths, [*depths[1:], 0], strict=True):
         channels = POSITIONS + ROTATIONS if joint in moving else ROTATIONS
         lines = [
             f"{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}",
@@ -127,11 +119,8 @@ def _joint_lines(
         if joint in skeleton.end_sites or not skeleton.children(joint):
             tip = offset(skeleton.end_sites.get(joint, np.zeros(3)))
             lines += ["  End Site", "  {", f"    {tip}", "  }"]
-        yield from ("  " * len(still_open) + line for line in lines)
-        still_open.append(joint)
-    while still_open:
-        still_open.pop()
-        yield "  " * len(still_open) + "}"
+        yield from ("  " * depth + line for line in lines)
+        yield from ("  " * level + "}" for level in range(depth, next_depth - 1, -1))
 
 
 def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float) -> Iterator[str]:

@@ -11,14 +11,13 @@ import numpy as np
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
-from numpy_cae.motion.features import (
-    RootTransform,
+from numpy_cae.motion import (
     bone_lengths,
     change_lengths,
     features_to_positions,
     positions_to_features,
-    problem_of,
 )
+from numpy_cae.motion.features import RootTransform, problem_of
 from numpy_cae.motion.motion import RATE, Motion
 
 

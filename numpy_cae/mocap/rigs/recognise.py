@@ -18,18 +18,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.rigs import (
-    RIGS,
-    Mappings,
-    Rig,
-    RiggedMotion,
-    UnknownRigError,
-    left_or_right,
-    own_rig,
-    plain_name,
-    rig_by_names,
-    with_rig,
-)
+from numpy_cae.mocap.rigs import rigs
+from numpy_cae.mocap.rigs.rigs import Mappings, Rig, RiggedMotion, UnknownRigError
 from numpy_cae.mocap.rigs.suggest import suggest_mapping
 from numpy_cae.motion.features import frame_lengths
 from numpy_cae.motion.joints import JOINTS, PARENTS
@@ -65,7 +55,7 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     >>> walk.rig.known, walk.skeleton.names[walk.rig.found["left_hip"]]
     ('CMU Acclaim', 'lfemur')
     """
-    by_names = with_rig(motion, rig_by_names(motion.skeleton, mapping))
+    by_names = rigs.with_rig(motion, rigs.rig_by_names(motion.skeleton, mapping))
     names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.found.items()}
     if len(names) < len(JOINTS):
         by_names = with_added_joints(by_names)
@@ -78,8 +68,8 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     suggested = suggest_mapping(replace(motion.skeleton, offsets=offsets))
     problem = ""
     for candidate in filter(None, (suggested | names, names, suggested)):
-        rig = rig_by_names(motion.skeleton, candidate | by_names.rig.given)
-        proposed = with_added_joints(with_rig(motion, rig), estimate=True)
+        rig = rigs.rig_by_names(motion.skeleton, candidate | by_names.rig.given)
+        proposed = with_added_joints(rigs.with_rig(motion, rig), estimate=True)
         problem = _doubt(proposed)
         if not problem:
             return _noted(proposed, _how_found(proposed, names))
@@ -142,7 +132,7 @@ def rig_of(motion: Motion) -> Rig:
     >>> [walk.skeleton.names[joint] for joint in rig_of(walk).joints[:4]]
     ['root', 'upperback', 'thorax', 'head']
     """
-    rig = own_rig(motion)
+    rig = rigs.own_rig(motion)
     _require_all(rig, motion.skeleton)
     return rig
 
@@ -172,7 +162,7 @@ def find_joints(skeleton: Skeleton) -> list[int]:
     >>> [skeleton.names[joint] for joint in find_joints(skeleton)[:4]]  # hips, spine, chest, head
     ['root', 'upperback', 'thorax', 'head']
     """
-    rig = rig_by_names(skeleton)
+    rig = rigs.rig_by_names(skeleton)
     _require_all(rig, skeleton)
     return rig.joints
 
@@ -181,7 +171,7 @@ def _require_all(rig: Rig, skeleton: Skeleton) -> None:
     """Raise UnknownRigError if one of the twenty joints is missing."""
     if len(rig.found) == len(JOINTS):
         return
-    names = {joint: RIGS[rig.known].get(joint, (joint,))[0] for joint in JOINTS} | rig.given
+    names = {joint: rigs.RIGS[rig.known].get(joint, (joint,))[0] for joint in JOINTS} | rig.given
     missing = [joint for joint in JOINTS if joint not in rig.found]
     sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in missing)
     listed = ", ".join([*skeleton.names[:_LISTED], *(["…"] if skeleton.names[_LISTED:] else [])])
@@ -219,7 +209,7 @@ def joint_index(name: str, motion: Motion) -> int:
     if name in JOINTS:
         return JOINTS.index(name)
     own_names = [motion.skeleton.names[joint] for joint in rig_of(motion).joints]
-    for form in (str, str.lower, plain_name):
+    for form in (str, str.lower, rigs.plain_name):
         forms = [form(other) for other in own_names]
         if form(name) in forms:
             return forms.index(form(name))
@@ -286,7 +276,7 @@ def _side_problem(skeleton: Skeleton, rig: Rig, at: dict[str, np.ndarray]) -> st
     name = {our: skeleton.names[joint] for our, joint in rig.found.items()}
     own = [our for our in JOINTS if rig.found[our] not in rig.added]
     lefts = [our for our in own if our.startswith("left")]
-    sides = [left_or_right(name[our], name[our.replace("left", "right")]) for our in lefts]
+    sides = [rigs.left_or_right(name[our], name[our.replace("left", "right")]) for our in lefts]
     if "right" in sides:
         return f"{name[lefts[sides.index('right')]]} does not sound like the left side"
     if "" not in sides:

@@ -19,7 +19,7 @@ Rigs of one family differ in their number of spine joints, so a table may have n
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import product
@@ -126,15 +126,19 @@ def rig_by_names(skeleton: Skeleton, mapping: Mappings = None) -> Rig:
     A skeleton fits a mapping if it has all names in it. If there are several mappings, the first
     one that fits is used, or none if none fits.
     """
-    index = _finder(skeleton)
+    plain = _plain_names(skeleton)
+    exact = {name: joint for joint, name in enumerate(skeleton.names)}
+
+    def index(name: str) -> int | None:
+        return exact.get(name, plain.get(plain_name(name)))
+
     if not isinstance(mapping, dict):
         fitting = (names for names in mapping or [] if None not in map(index, names.values()))
         mapping = next(fitting, {})
     present = {joint: at for joint, name in mapping.items() if (at := index(name)) is not None}
-    plain = _plain_names(skeleton)
+    # The alternatives are reversed, so that the first one that the skeleton has is set last.
     present_in = {
-        # The alternatives are reversed, so that the first one that the skeleton has is set last.
-        rig: {joint: plain[n] for joint, names in table.items() for n in names[::-1] if n in plain}
+        rig: {j: plain[n] for j, names in table.items() for n in names[::-1] if n in plain}
         for rig, table in _PLAIN_RIGS.items()
     }
     # The rig with the fewest missing joints; if several are equal, the one with the most found.
@@ -178,13 +182,6 @@ def add_trunk(skeleton: Skeleton, found: dict[str, int], named: set[str]) -> Non
         # Distance from the chest down to each joint in between, and to the hips.
         down = np.cumsum(lengths[[carrier, *between]])
         found["spine"] = between[int(np.argmin(np.abs(down[:-1] - down[-1] / 2)))]
-
-
-def _finder(skeleton: Skeleton) -> Callable[[str], int | None]:
-    """A function from a name, exact or plain, to the index of the joint; None if there is none."""
-    exact = {name: joint for joint, name in enumerate(skeleton.names)}
-    plain = _plain_names(skeleton)
-    return lambda name: exact.get(name, plain.get(plain_name(name)))
 
 
 def _plain_names(skeleton: Skeleton) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""Measures of a body that moves, and of sets of clips, (N, F, C), by the distance
+"""Errors of a motion, measures of a body that moves, and of sets of clips (N, F, C) by the distance
 
     d(a, b) = √ mean_{t,k} (a_{t,k} - b_{t,k})²
 
@@ -6,6 +6,39 @@ over frames and standardised numbers, so that 1 is one standard deviation in eac
 """
 
 import numpy as np
+
+from numpy_cae.motion.angle_table import ANGLES
+from numpy_cae.motion.features import POSITIONS, joint_slice
+
+
+def position_error(features: np.ndarray, truth: np.ndarray, joint: str | None = None) -> float:
+    """100 · √ mean((q̂ - q)²), centimetres, over the coordinates of all joints or of one.
+
+    The 60 position features are relative to the body's position on the floor and its heading, so
+    that drift of the integrated path does not hide errors of the pose.
+
+    Parameters
+    ----------
+    features, truth : (…, F, 63) arrays of float
+        In metres.
+    joint : str, optional
+        The only joint to count, such as "left_wrist".
+    """
+    counted = POSITIONS if joint is None else joint_slice(joint)
+    gap = (np.asarray(features) - truth)[..., counted]
+    return float(100 * np.sqrt(np.mean(np.square(gap, dtype=np.float64))))
+
+
+def angle_distance(numbers: np.ndarray, truth: np.ndarray) -> float:
+    """mean over frames of ‖θ̂ - θ‖, over the 51 angles of a frame, in radians.
+
+    Parameters
+    ----------
+    numbers, truth : (…, 54) arrays of float
+        Not standardised. The root's translation is left out.
+    """
+    gap = (np.asarray(numbers, dtype=np.float64) - truth)[..., ANGLES]
+    return float(np.linalg.norm(gap, axis=-1).mean())
 
 
 def clip_distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
