@@ -1,17 +1,7 @@
 """Pictures of motions and of numbers. Matplotlib is imported when something is drawn."""
 
-from numpy_cae.viz.actor import (
-    CORRUPTED,
-    OTHERS,
-    PLAIN,
-    PROJECTED,
-    TRUTH,
-    Actor,
-    before_and_after,
-    compared,
-    motion_actor,
-    side_by_side,
-)
+from numpy_cae.viz.actor import Actor, before_and_after, compared, motion_actor, side_by_side
+from numpy_cae.viz.colours import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
 from numpy_cae.viz.curves import Curve, LiveCurve, losses_figure, matrix_figure, save_figure
 from numpy_cae.viz.sliders import Chart, slider_figure
 from numpy_cae.viz.strip import strip_figure, strip_svg

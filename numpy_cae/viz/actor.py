@@ -1,4 +1,4 @@
-"""Motions to draw, and the colours of holden2015, figure 1."""
+"""Motions to draw."""
 
 from __future__ import annotations
 
@@ -12,17 +12,7 @@ from numpy_cae.motion.features import features_to_positions, local_positions
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.visible import visible
-
-CORRUPTED = "#e8833a"
-"""CORRUPTED: orange, of damaged motions."""
-PROJECTED = "#2f6db5"
-"""PROJECTED: blue, of projected and repaired motions."""
-TRUTH = "#3f9a4b"
-"""TRUTH: green, of true motions."""
-PLAIN = "#444444"
-"""PLAIN: grey, of all others."""
-OTHERS = ("#7a4ca0", "#c2378f", "#8c564b", "#6b6b6b", "#9a8a00", "#14908a")
-"""OTHERS: colours of curves that are no projection, no damage and no truth, in their order."""
+from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 
 
 @dataclass(frozen=True)

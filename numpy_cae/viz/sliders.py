@@ -15,7 +15,8 @@ from string import Template
 
 import numpy as np
 
-from numpy_cae.viz.actor import OTHERS, Actor
+from numpy_cae.viz.actor import Actor
+from numpy_cae.viz.colours import OTHERS
 from numpy_cae.viz.curves import Curve
 from numpy_cae.viz.viewer import Player, deflated, page_text
 
