@@ -151,8 +151,9 @@ def test_lost_values_are_read_and_written_where_they_were_mended(tmp_path):
 def test_places_that_cannot_be_written_are_said(tmp_path):
     with pytest.raises(FileError, match="no folder"):
         write_bvh(drawn_motion(0), tmp_path / "nowhere" / "take.bvh")
+    (tmp_path / "folder.bvh").mkdir()
     with pytest.raises(FileError, match="folder of this name"):
-        write_bvh(drawn_motion(0), tmp_path)
+        write_bvh(drawn_motion(0), tmp_path / "folder.bvh")
 
 
 def test_motions_that_bvh_cannot_hold_are_refused(tmp_path):
