@@ -13,8 +13,7 @@ import numpy as np
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.diagnosis import SEVERAL, same
 from numpy_cae.verify.operations.patch import Patch, patches_in
-from numpy_cae.verify.operations.property import Property, drawn_upstream
-from numpy_cae.verify.operations.trial import failure
+from numpy_cae.verify.operations.property import Property, drawn_upstream, failure
 
 FOLDER = Path(__file__).parent / "known_mistakes"
 

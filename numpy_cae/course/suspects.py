@@ -2,7 +2,7 @@
 
 from numpy_cae.verify.operations.catalogue import properties_of_operation
 from numpy_cae.verify.operations.patch import BUGS, Patch, bug_named, bugs_of, conventions_of
-from numpy_cae.verify.operations.trial import failing_case
+from numpy_cae.verify.operations.property import failing_case
 
 __all__ = ["BUGS", "SUSPECTS", "accuse", "bug_named", "bugs_of", "conventions_of"]
 

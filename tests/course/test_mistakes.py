@@ -10,7 +10,7 @@ from numpy_cae.course.mistakes import patches_of, wrong_function
 from numpy_cae.course.suspects import SUSPECTS
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import bugs_of
-from numpy_cae.verify.operations.trial import failing_case
+from numpy_cae.verify.operations.property import failing_case
 
 OWN = [name for name in EXERCISES if name not in {*OPERATIONS, "accuse"}]
 SAME_VALUE = {("rescale", "naive")}  # the first property that fails does not tell it from another

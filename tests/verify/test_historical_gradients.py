@@ -4,7 +4,7 @@ gradient_checks` tries all of their fixed versions, this file every fourth."""
 import pytest
 
 from numpy_cae import verify
-from numpy_cae.verify.operations.trial import failing_case
+from numpy_cae.verify.operations.property import failing_case
 from studies.gradients.bugs import LAYERS, bugs
 
 BUGS = bugs()

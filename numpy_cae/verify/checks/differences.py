@@ -46,11 +46,6 @@ ABOVE_NOISE = 4
 SINGLE = float(np.finfo(np.float32).eps)
 SINGLE_TOLERANCE = 1e-4
 """SINGLE_TOLERANCE: the relative tolerance is at least this where f computes in float32."""
-GRADIENT_ROUNDING = 2**12
-"""GRADIENT_ROUNDING: a gradient is 0 if it is at most so many roundings of the largest one."""
-NEGLIGIBLE = 1e-10
-"""NEGLIGIBLE: where a gradient is 0 to rounding, a slope of at most so large a part of the largest
-one may be the rounding of terms that cancel, as in a convolution by Fourier matrices."""
 
 AGREES = "agrees"
 WRONG = "wrong"
@@ -114,15 +109,7 @@ class Argument:
             return Verdict(KINK, np.nan, analytic)
         if confirmed:
             return Verdict(AGREES, slopes[-1].central, analytic)
-        change = abs(analytic) * max(slope.step for slope in slopes)
-        rounded_away = ROUNDING_MARGIN * self.epsilon * np.sum(np.abs(self.dy * self.here))
-        if not any(slope.moved for slope in slopes) and change <= rounded_away:
-            return Verdict(AGREES, 0.0, analytic)
         verdict, best = _verdict(slopes, analytic, self.tolerance)
-        largest = np.max(np.abs(self.gradient) * step_scale(self.x), initial=0.0)
-        is_zero = abs(analytic) <= GRADIENT_ROUNDING * self.epsilon * largest
-        if is_zero and abs(verdict.numeric - analytic) <= NEGLIGIBLE * largest:
-            return replace(verdict, kind=AGREES)
         if verdict.kind == WRONG:
             return replace(verdict, kind=self._confirmed(direction, verdict, best))
         return verdict
@@ -136,7 +123,8 @@ class Argument:
         first = np.cbrt(self.epsilon)
         along = self.x[direction != 0]
         nearest = np.min(np.abs(along / direction[direction != 0]), initial=1.0)  # entry to zero
-        smaller = [*SMALLER, *((nearest, nearest / 8) if 0 < nearest < SMALLER[-1] else ())]
+        is_near = np.sqrt(self.epsilon) < nearest < SMALLER[-1]  # and not too near for any step
+        smaller = [*SMALLER, *((nearest, nearest / 8) if is_near else ())]
         depend = np.full(self.here.shape, np.count_nonzero(direction) > 1)
         slopes: list[Slope] = []
         todo = [1.0, *smaller]

@@ -15,6 +15,7 @@ NOT_FINITE = "not finite"
 SLOPE = "slope"
 KINK = "kink"
 REPEATED = "repeated"
+OVERWRITTEN = "overwritten"
 
 
 @dataclass(eq=False)

@@ -25,8 +25,6 @@ EXAMPLES = 24
 """EXAMPLES: a property that does not set `examples` is tried on at least so many cases."""
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 1.7}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
-OVERWRITTEN = "after further calls, "
-"""OVERWRITTEN: what an earlier result is called, which a later call must not change, begins so."""
 VALUE = 0
 GRADIENT = 1
 REST = 2
@@ -122,6 +120,26 @@ class Outcome:
     mistake: str = ""
     kind: str = ""  # of the mismatch, or the type of another error
     crashed: bool = False  # whether the implementation raised
+
+
+def failing_case(
+    tried: Property, implementation: Callable, begin: Callable[[Case], None] = lambda case: None
+) -> Case | None:
+    """The first case in which a property does not hold, or None."""
+    for case in tried.cases():
+        begin(case)
+        if failure(tried, implementation, case) is not None:
+            return case
+    return None
+
+
+def failure(tried: Property, implementation: Callable, case: Case) -> BaseException | None:
+    """The error that a check raises in a case, or None."""
+    try:
+        tried.check(implementation, case)
+    except (Exception, SystemExit) as error:
+        return error
+    return None
 
 
 def property_of(

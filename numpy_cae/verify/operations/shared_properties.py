@@ -10,7 +10,7 @@ import numpy as np
 
 from numpy_cae.verify.checks.call import call_of_array
 from numpy_cae.verify.checks.gradients import TOGETHER, check_adjoint, wrong_gradients
-from numpy_cae.verify.checks.mismatch import DTYPE, Mismatch
+from numpy_cae.verify.checks.mismatch import DTYPE, NUMBER, OVERWRITTEN, Mismatch
 from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, THE_SAME, Case
 from numpy_cae.verify.operations.operation import Operation
@@ -278,8 +278,8 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
         call(another, copies(others)).gradients(second.dy)
     second_right = second.kept()
     first.gradients(second.dy)
-    what = f"{comparing.OVERWRITTEN}the value that was returned first"
-    yield _again(what, first.value, alone.right_value)
+    what = "after further calls, the value that was returned first"
+    yield _again(what, first.value, alone.right_value, OVERWRITTEN)
     yield from _kept(gradients, right)
     for called, expected in ((first, right), (second, second_right)):
         for name, gradient in called.gradients().items():
@@ -297,8 +297,8 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
 def _kept(gradients: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> Pairs:
     """Compare gradients with their copies; then overwrite them, as a caller may."""
     for name, gradient in gradients.items():
-        what = f"{comparing.OVERWRITTEN}the gradient for {name} that was returned first"
-        yield _again(what, gradient, right[name])
+        what = f"after further calls, the gradient for {name} that was returned first"
+        yield _again(what, gradient, right[name], OVERWRITTEN)
         if isinstance(gradient, np.ndarray) and gradient.flags.writeable:
             gradient[...] = np.nan
 
@@ -345,13 +345,14 @@ def _strides(operation: Operation, implementation: Callable, case: Case) -> Pair
         yield _again(f"of arrays {case.get('layout')}, {what}", *both)
 
 
-def _again(what: str, result, expected) -> Pair:
+def _again(what: str, result, expected, kind: str = NUMBER) -> Pair:
     """A comparison with an earlier result; entries that were not finite are left out."""
     result = np.asarray(result)
-    if result.shape != np.shape(expected):
-        return Pair(what, result, expected)
-    finite = np.isfinite(expected)
-    return Pair(what, np.where(finite, result, 0), np.where(finite, expected, 0))
+    if result.shape == np.shape(expected):
+        finite = np.isfinite(expected)
+        result = np.where(finite, result, 0)
+        expected = np.where(finite, expected, 0)
+    return Pair(what, result, expected, kind=kind)
 
 
 LARGEST = "special inputs"

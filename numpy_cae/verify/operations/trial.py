@@ -6,17 +6,17 @@ from dataclasses import dataclass, field, replace
 
 from numpy_cae.verify.checks import written as writing
 from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.checks.mismatch import ALTERED, DTYPE, what_failed
+from numpy_cae.verify.checks.mismatch import ALTERED, DTYPE, OVERWRITTEN, what_failed
 from numpy_cae.verify.checks.written import LONGEST_TEXT, error_text, file_of, written
 from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
 from numpy_cae.verify.operations.catalogue import example_call
 from numpy_cae.verify.operations.diagnosis import likely_mistake
-from numpy_cae.verify.operations.property import OVERWRITTEN, Outcome, Property
+from numpy_cae.verify.operations.property import Outcome, Property, failing_case, failure
 
-ONE_ARRAY = "Results are kept in one array: what a call returns is overwritten by the next."
 C_ORDER = "Memory in another order is read as if it were in C order, as strides and reshape may do."
 OF_KIND = {ALTERED: "That array is written to, as by -= or out=: a new one is needed."}
 OF_KIND[DTYPE] = "An array in it has a dtype of its own, such as np.zeros(n), which is float64."
+OF_KIND[OVERWRITTEN] = "Results are kept in one array: the next call overwrites what one returns."
 """OF_KIND: the likely mistake where the kind of a mismatch tells it."""
 UNSTEADY = "called again with the same arguments, it returns something else"
 MAX_SHRINKS = 150
@@ -69,16 +69,15 @@ def try_property(
     failed = Outcome(tried, False, UNSTEADY, str(case))
     if error is None:
         return failed
-    kind, subject = what_failed(error)
+    kind, _ = what_failed(error)
     crashed = not isinstance(error, AssertionError)
     problem = error_text(error, file_of(implementation)) if crashed else str(error)[:LONGEST_TEXT]
     if isinstance(error, RecursionError | MemoryError):
         problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
     is_like_bugs = isinstance(error, AssertionError | ValueError | IndexError)
     mistake = likely_mistake(tried, implementation) if is_like_bugs else ""
-    if not mistake:
-        mistake = ONE_ARRAY if subject.startswith(OVERWRITTEN) else OF_KIND.get(kind, "")
-        mistake = mistake or C_ORDER * (tried.name == "strides" and not crashed)
+    mistake = mistake or OF_KIND.get(kind, "")
+    mistake = mistake or C_ORDER * (tried.name == "strides" and not crashed)
     example = "\n".join(_described(tried, case, last, error))
     why = {"problem": problem, "counterexample": example, "mistake": mistake, "kind": kind}
     return replace(failed, **why, crashed=crashed)
@@ -109,17 +108,6 @@ def _simpler(case: Case, sizes: Sizes) -> Iterator[Case]:
             yield Case(changed, case.seed)
     for seed in range(min(case.seed, SEEDS_TRIED)):
         yield Case(case.sizes, seed)
-
-
-def failing_case(
-    tried: Property, implementation: Callable, begin: Callable[[Case], None] = lambda case: None
-) -> Case | None:
-    """The first case in which a property does not hold, or None."""
-    for case in tried.cases():
-        begin(case)
-        if failure(tried, implementation, case) is not None:
-            return case
-    return None
 
 
 def check_property(stated: Property, function: Callable, crashes: set[str] | None = None) -> None:
@@ -159,15 +147,6 @@ def check_property(stated: Property, function: Callable, crashes: set[str] | Non
         crashes.add(outcome.problem)
     if not outcome.held:
         raise AssertionError("\n".join(filter(None, message)))
-
-
-def failure(tried: Property, implementation: Callable, case: Case) -> BaseException | None:
-    """The error that a check raises in a case, or None."""
-    try:
-        tried.check(implementation, case)
-    except (Exception, SystemExit) as error:
-        return error
-    return None
 
 
 def _described(tried: Property, case: Case, last: Recorder, error: BaseException) -> Iterator[str]:
