@@ -28,12 +28,9 @@ from numpy_cae.training import recipe
 from studies.repair_sweep import WINDOWS, Errors, swept
 from studies.shared.result import Claim, Result, Table
 
-RECIPE = "fast"
 PS = (0.5, 0.8, 0.9)
 SEEDS = 3
 FIFTH = 5
-LEFT_OUT = "left out"
-SAME = "later takes of the same source"
 MOST = 0.65
 """MOST: completion should leave at most this share of the error of PCHIP."""
 
@@ -50,9 +47,10 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
         others = [take for other, each in takes.items() if other != name for take in each]
         errors = _errors(others, own, seed)
         claims.append(_claim(name, errors))
-        tables.append(_table(f"{name}, {LEFT_OUT}", errors))
+        tables.append(_table(f"{name}, left out", errors))
         earlier = [take for number, take in enumerate(own) if number % FIFTH]
-        tables.append(_table(f"{name}, {SAME}", _errors(earlier, own[::FIFTH], seed)))
+        later = _errors(earlier, own[::FIFTH], seed)
+        tables.append(_table(f"{name}, later takes of the same source", later))
     return Result("A source that was not in training", tables, claims)
 
 
@@ -62,7 +60,7 @@ def _takes_of(folder: str | Path) -> list[np.ndarray]:
 
 def _errors(training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int) -> Errors:
     """The errors in windows of takes (F, 20, 3) of the methods, fitted to other takes."""
-    manifold = learn_manifold(training, recipe(RECIPE), seed)
+    manifold = learn_manifold(training, recipe("fast"), seed)
     repairs = Repairs(manifold, clips_of(manifold, training))
     test = clips_of(manifold, testing).evenly(WINDOWS)
     return swept(repairs, test, PS, range(seed, seed + SEEDS))

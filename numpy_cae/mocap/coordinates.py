@@ -77,18 +77,16 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float
     if bone_lengths is None:
         bone_lengths = np.linalg.norm(skeleton.offsets, axis=-1)
     longest = 0.0
-    # Lengths of the paths from each joint down to a tip. A path from tip to tip goes up to some
-    # joint and down again; a root without branches is never such a joint.
-    paths: list[list[float]] = [[] for _ in skeleton.names]
-    for joint in reversed(range(len(skeleton.names))):
-        if joint in skeleton.end_sites:
-            paths[joint].append(float(np.linalg.norm(skeleton.end_sites[joint])))
-        down = sorted(paths[joint], reverse=True)
-        if len(down) > 1:
-            longest = max(longest, down[0] + down[1])
-        if skeleton.parents[joint] >= 0:
-            length = float(bone_lengths[joint] + (down[0] if down else 0.0))
-            paths[skeleton.parents[joint]].append(length)
+    # The longest path down from each joint to a tip. A path from tip to tip goes up to some joint
+    # and down again; a root without branches is never such a joint.
+    reach = np.full(len(skeleton.names), -np.inf)
+    for joint, tip in skeleton.end_sites.items():
+        reach[joint] = np.linalg.norm(tip)
+    for joint in range(len(reach) - 1, 0, -1):
+        parent = skeleton.parents[joint]
+        length = bone_lengths[joint] + max(reach[joint], 0.0)
+        longest = max(longest, float(reach[parent] + length))
+        reach[parent] = max(reach[parent], length)
     return longest / TIP_TO_TIP_STATURES
 
 

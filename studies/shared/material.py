@@ -29,7 +29,6 @@ _BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
 TESTING_WINDOWS = 120
 """TESTING_WINDOWS: at most this many windows, evenly spaced; more would take minutes and hardly
 change the results."""
-_LABELS = "labels.csv"
 _SYNTHETIC = "synthetic"
 _BANDAI_NAMCO = "bandai"
 _UNLABELLED = "other"
@@ -124,7 +123,7 @@ def labels_of(path: Path) -> tuple[str, str, str]:
     if named:
         return _BANDAI_NAMCO, named["content"], named["style"]
     for folder in list(path.parents)[:2]:
-        table = folder / _LABELS
+        table = folder / "labels.csv"
         rows = _read_labels(table) if table.is_file() else {}
         if row := rows.get(path.relative_to(folder).as_posix()):
             return _SYNTHETIC, row["kind"], row["style"]
