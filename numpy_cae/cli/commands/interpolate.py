@@ -56,5 +56,5 @@ def run(args: argparse.Namespace) -> int:
         }
         rows = {f"share of {args.second.stem}": shares(args.share, frames)[:, 0]}
         actors = world_actors(shown)  # all begin at one place and face one way
-        files.write_page(args.output, "both motions and the one between", actors, rows)
+        files.write_page(args.output, "both motions and the one between", actors, rows=rows)
     return 0

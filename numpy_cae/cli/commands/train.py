@@ -45,8 +45,6 @@ _STARTER = training.Stage(
     displacement=0.3,
     noise=0.02,
 )
-MIRRORED = ("starter",)
-"""Recipes that learn from mirrored copies as well."""
 RECIPES = training.RECIPES | {
     "starter": training.Schedule(layer=training.Stage(epochs=0), fine_tuning=_STARTER)
 }
@@ -129,8 +127,8 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for group in files.values() for path in group]
     takes, testing = in_halves(bodies(args, paths), args.test, RATE)
-    settings |= {"mirror": args.recipe in MIRRORED}
-    settings |= {"testing": testing} | given(args, *CONVOLUTIONAL)
+    settings |= {"mirror": args.recipe == "starter", "testing": testing}
+    settings |= given(args, *CONVOLUTIONAL)
     manifold = learn_manifold(takes, schedule_of(args), **settings)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(group)}
@@ -203,8 +201,6 @@ def schedule_of(args: argparse.Namespace) -> training.Schedule:
     return replace(schedule, fine_tuning=replace(schedule.fine_tuning, **changed))
 
 
-def sequence_schedule_of(
-    args: argparse.Namespace, recipe: str = "paper"
-) -> training.SequenceSchedule:
+def sequence_schedule_of(args: argparse.Namespace, recipe: str) -> training.SequenceSchedule:
     """The schedule of the sequential model that the recipe and the options describe."""
     return replace(training.SEQUENCE_RECIPES[recipe], **given(args, *COMMON, "steps"))

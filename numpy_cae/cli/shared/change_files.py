@@ -111,10 +111,8 @@ def _changed(
         page = target.with_suffix(".html")
         written[page] = "not written, since nothing was changed"
         if not status or repaired.listed():
-            shown = _heading(args, source, target, repaired)
-            strip = pages.write_page(
-                page, motion, repaired, summary=said, measures=changes, **shown
-            )
+            own = _heading(args, source, target, repaired)
+            strip = pages.write_page(page, motion, repaired, summary=said, measures=changes, **own)
             row = row._replace(page=page, strip=strip)
             written[page] = "before and after; open it in a browser"
     if getattr(args, "findings", None):

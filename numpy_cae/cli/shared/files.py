@@ -5,7 +5,7 @@ import argparse
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -54,13 +54,11 @@ def write(motion: Motion, path: Path) -> None:
     print(f"{path}: {motion}")
 
 
-def write_page(
-    output: Path, content: str, actors: list[Actor], rows: Mapping[str, np.ndarray] | None = None
-) -> None:
-    """Write a page beside the output that plays motions at thirty frames a second, with rows of
-    bars below them."""
+def write_page(output: Path, content: str, actors: list[Actor], **shown: Any) -> None:
+    """Write a page beside the output that plays motions at thirty frames a second; `shown` is as in
+    `save_viewer`."""
     page = output.with_suffix(".html")
-    save_viewer(actors, page, RATE, f"{output.stem}: {content}", rows=rows or {})
+    save_viewer(actors, page, RATE, f"{output.stem}: {content}", **shown)
     print(f"{page}: {content}; open it in a browser")
 
 
