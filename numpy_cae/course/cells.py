@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
+from pathlib import Path
 
-from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
+from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
+from numpy_cae.course.exercises.entries import made_by
 from numpy_cae.course.exercises.hints import with_hint
 from numpy_cae.course.feedback import Feedback, Printed
-from numpy_cae.course.mine import FILE, NotSavedError, save, stand_in
+from numpy_cae.course.mine import FILE, NotSavedError, run, save, stand_in
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.report import report as report_on
 from numpy_cae.verify.operations.catalogue import example as example_of
@@ -84,6 +86,20 @@ def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
     Raises a ValueError if there is no such operation or exercise, or a size is missing.
     """
     return example_of(find_exercise(name, CATALOGUE), seed, **sizes).arguments
+
+
+def progress() -> None:
+    """Print how many functions mine.py has, what the finished lessons make, and what is next."""
+    mine: set[str] = set()
+    with suppress(FileNotFoundError, NotSavedError, UnicodeDecodeError):
+        mine = set(run(Path(FILE).read_text(encoding="utf-8"))) & set(EXERCISES)
+    missing = {n: {task.name for task in tasks} - mine for n, tasks in LESSONS.items()}
+    made = [made_by(number) for number, names in missing.items() if not names]
+    print(f"{len(mine)} of {len(EXERCISES)} functions are yours")
+    if made:
+        print(f"They add up to: {', '.join(made)}.")
+    if after := next((number for number, names in missing.items() if names), None):
+        print(f"Next: {made_by(after)} (lesson {after}).")
 
 
 def _unsolved(*arguments):

@@ -3,7 +3,7 @@
 The entry `makes` says what the exercises of the lesson add up to. Each table is an exercise:
 
 points      what the exercise earns
-arguments   how each argument is drawn (`arguments.py`), or a function of `lesson_NN.py`
+arguments   how each argument is drawn (`arguments.py`), or a function of a `lesson_NN.py`
 like        an operation of `numpy_cae.ops` that has the same arguments and sizes
 sizes       the options of each size, the simplest first
 inputs      the arguments that get a gradient

@@ -28,16 +28,20 @@ FLOAT32 = {"states": "float32 stays float32", "form": True}
 PURE = {"states": "no argument is changed", "form": True}
 
 
+SPECIAL: dict = {}
+for path in sorted(FOLDER.glob("lesson_*.py")):
+    SPECIAL |= vars(import_module(f"{__package__}.{path.stem}"))
+"""SPECIAL: what is written for single exercises, by name; their checks are registered, too."""
+
+
 def exercises_of(number: str) -> tuple[Exercise, ...]:
     """The exercises of a lesson."""
     solutions = import_module(f"{SOLUTIONS}.lesson_{number}")
-    has_module = (FOLDER / f"lesson_{number}.py").exists()
-    special = vars(import_module(f"{__package__}.lesson_{number}")) if has_module else {}
     every = []
     for name, entries in entries_of(number).items():
         given = tuple(entries.get("given", "").split())
         if "arguments" in entries or "like" in entries:
-            stated = Stated.of(getattr(solutions, name), entries, special)
+            stated = Stated.of(getattr(solutions, name), entries)
             every.append(Exercise(name, stated.solution, tuple(stated.properties()), given=given))
         else:
             properties = properties_of_operation(name)
@@ -55,14 +59,14 @@ class Stated:
     sizes: Sizes
 
     @classmethod
-    def of(cls, solution: Callable, entries: Mapping, special: Mapping) -> "Stated":
+    def of(cls, solution: Callable, entries: Mapping) -> "Stated":
         """Find the arguments, which are an operation's, drawn as stated, or special ones."""
         sizes = _as_tuples(entries.get("sizes", {}))
         if "like" in entries:
             operation = OPERATIONS[entries["like"]]
             return cls(solution, entries, operation.arguments, {**operation.sizes, **sizes})
         stated = entries["arguments"]
-        arguments = special[stated] if isinstance(stated, str) else drawn(stated, special)
+        arguments = SPECIAL[stated] if isinstance(stated, str) else drawn(stated, SPECIAL)
         return cls(solution, entries, arguments, sizes)
 
     @property

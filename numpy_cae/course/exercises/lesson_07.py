@@ -5,7 +5,6 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae.course.exercises.arguments import uniform
-from numpy_cae.course.exercises.lesson_06 import corrupted as corrupted
 from numpy_cae.verify.operations.case import Case
 
 

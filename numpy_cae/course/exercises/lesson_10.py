@@ -1,8 +1,9 @@
-"""The arguments of lesson 10, a manifold in sequences: the weights of the network."""
+"""The arguments of lessons 10 and 11, a manifold in sequences: weights, and directions."""
 
 import numpy as np
 
 from numpy_cae.course.exercises.arguments import uniform
+from numpy_cae.course.solutions.lesson_11 import unit_rows
 from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
 from numpy_cae.verify.operations.case import Case
 
@@ -25,3 +26,8 @@ def decoder(case: Case, rng: np.random.Generator, made: dict) -> Weights:
     """The weights from z to clips."""
     every = random_weights(case, rng, made)
     return {name: weight for name, weight in every.items() if not name.startswith(OF_ENCODER)}
+
+
+def random_directions(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Unit vectors, one a row."""
+    return unit_rows(uniform(rng, (case["directions"], case["latent"]), 1.0))

@@ -4,7 +4,6 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import checks, require_parts, require_same
 from numpy_cae.course.exercises.differentiated import PULLBACK
-from numpy_cae.course.exercises.lesson_01 import random_tree as random_tree
 from numpy_cae.course.solutions.lesson_14 import observed_error
 
 RETURNS = ("the loss", PULLBACK)
