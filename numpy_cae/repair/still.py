@@ -1,19 +1,26 @@
-"""Frames that stand still until the motion jumps: repeated frames, frozen rotations, a T-pose at
-the start (its rule is in `mocap.t_pose`).
+"""What stands still: repeated frames, frozen rotations, an arm whose target stays behind, a T-pose
+at the start (its rule is in `mocap.t_pose`).
 
-Dropped frames, a sensor that stops and a pose of reference look like this. A person who stands
-still is never exactly still, a channel that is not used does not jump, and a joint at its limit
-returns to the same value.
+Dropped frames, a sensor that stops and a pose of reference stand still until the motion jumps. A
+person who stands still is never exactly still, a channel that is not used does not jump, and a
+joint at its limit returns to the same value.
+
+A freeze may also begin and end over some frames, its onset. Then the rotation's speed changes where
+the onset begins, and changes back where it ends: between these two frames it is wrong, too. So it
+is where inverse kinematics held a wrist at a place of the world: once the place is out of reach,
+the arm is stretched and points at it, which arms of people do not do for long.
 """
 
 from collections.abc import Iterator
 
 import numpy as np
 
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.t_pose import leading_t_pose
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import STILL_METRES, Curve, Segment, curves_of
+from numpy_cae.repair.curves import STILL_METRES, Curve, body_size, curves_of
 from numpy_cae.repair.finding import BODY, Finding, confidence
 
 CAUGHT_UP_RATIO = 2.5
@@ -27,6 +34,32 @@ FROZEN_JUMP_METRES = 0.03
 """FROZEN_JUMP_METRES: a frozen rotation then jumps by more than this (m)."""
 FROZEN_JUMP_METRES_A_SECOND = 1.5
 """FROZEN_JUMP_METRES_A_SECOND: a frozen rotation then jumps faster than this (m/s)."""
+ARMS = [f"{side}_{joint}" for side in ("left", "right") for joint in ("shoulder", "elbow")]
+"""ARMS: these rotations may be frozen without a jump. Knees and ankles of clean motion stand still
+at their limits."""
+EASED_SECONDS = 0.3
+"""EASED_SECONDS: a rotation that is frozen without a jump begins and ends to stand still within
+this time (s)."""
+EASED_METRES = 0.04
+"""EASED_METRES: in that time after it stood still it moves by more than this (m)."""
+ELSEWHERE_SHARE = 0.5
+"""ELSEWHERE_SHARE: a rotation that is frozen without a jump stands still elsewhere for at most this
+share of the frames in which it is frozen."""
+OTHERS_SHARE = 0.25
+"""OTHERS_SHARE: meanwhile at most this share of the curves stands still, in the median."""
+KINK_SHARE = 0.4
+"""KINK_SHARE: at both ends of an onset the speed changes, in opposite ways, by changes of which the
+outer one is at least this share of the inner one."""
+STRETCHED_SHARE = 0.97
+"""STRETCHED_SHARE: an arm that does not reach a place is longer than this share of its bones."""
+STEADY_METRES = 1e-4
+"""STEADY_METRES: its length changes by at most this from frame to frame (m)."""
+AIM_METRES = 1e-3
+"""AIM_METRES: the line through its shoulder and wrist misses the place by at most this (m)."""
+BEYOND_METRES = 0.05
+"""BEYOND_METRES: the distance of its wrist from the place changes by more than this (m)."""
+BESIDE_SECONDS = 3.0
+"""BESIDE_SECONDS: for at most this time (s) before and after it did reach the place."""
 UNUSED_SHARE = 0.75
 """UNUSED_SHARE: a rotation that stands still for more than this share of the file is not frozen,
 but not used."""
@@ -44,11 +77,14 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     """
     curves = [curve for curve in curves_of(motion) if curve.spike_kind != "length"]
     body = np.zeros(max(len(motion) - 1, 0))
-    frozen = list[Finding]()
+    share_still = body.copy()
     for curve in curves:
         steps = curve.steps()
         body += steps / len(curves)
-        frozen += _frozen(curve, steps, sensitivity)
+        share_still += (steps <= STILL_METRES) / len(curves)
+    turning = [curve for curve in curves if curve.is_rotation]
+    frozen = [f for curve in turning for f in _frozen(curve, share_still, sensitivity)]
+    frozen += _left_behind(motion, turning, frozen, sensitivity)
     repeated = list(_repeated(body, sensitivity)) if curves else []
     covered = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
     found = repeated + [f for f in frozen if not covered.issuperset(range(*f.frames))]
@@ -59,50 +95,153 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
 
 def _repeated(steps: np.ndarray, sensitivity: float) -> Iterator[Finding]:
     """The runs of frames that repeat the pose of the frame before them."""
-    for segment, into in _still_segments(steps, 1, 0.0, sensitivity):
-        # A jump into the run shows that its first pose is wrong too.
-        yield _finding(BODY, "repeated", segment, segment.first + (into <= 1))
+    for start, end in runs(steps <= STILL_METRES).tolist():
+        if end == len(steps):
+            continue
+        into, score = _scores_of_jumps(steps, start, end, 0.0)
+        if score * 2 * sensitivity > 1:
+            # A jump into the run shows that its first pose is wrong too.
+            frames = start + (into <= 1), end
+            yield _finding(BODY, frames, "repeated", end + 1 - start, steps[end], score)
 
 
-def _frozen(curve: Curve, steps: np.ndarray, sensitivity: float) -> Iterator[Finding]:
-    """The runs of frames in which a rotation stands still and then jumps."""
-    if not curve.is_rotation or np.mean(steps <= STILL_METRES) >= UNUSED_SHARE:
-        return
-    least_frames = max(FROZEN_FRAMES, round(FROZEN_SECONDS * curve.rate))
+def _frozen(curve: Curve, share_still: np.ndarray, sensitivity: float) -> Iterator[Finding]:
+    """The runs of frames in which a rotation stands still and then jumps; or, in an arm, in which
+    its values repeat exactly, as they hardly do elsewhere, while other curves move."""
+    steps = curve.steps()
+    still = steps <= STILL_METRES
     least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_METRES_A_SECOND / curve.rate)
-    for segment, into in _still_segments(steps, least_frames, least_metres, sensitivity):
+    for start, end in runs(still).tolist():
+        if end - start < _least_frames(curve.rate) or end == len(steps):
+            continue
+        into, score = _scores_of_jumps(steps, start, end, least_metres)
+        score *= np.mean(still) < UNUSED_SHARE
+        size = float(steps[end])
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
-        first = segment.first + (into <= 1 and segment.first > 0)
-        if not _recurs(curve, first, segment.end - 1):
-            yield _finding(curve.name, "frozen", segment, first)
+        frames = start + (into <= 1 and start > 0), end
+        margin = 0
+        if curve.name in ARMS and start and _is_alone(still, share_still, start, end):
+            margin = _margin(curve.rate)
+            later = np.arange(end + 1, min(end + margin + 1, len(curve.values)))
+            away = curve.between(np.full(len(later), end), later)
+            size = max(size, float(np.linalg.norm(away, axis=1).max()))
+            score = max(score, size / EASED_METRES)
+            frames = _with_onsets(curve, start, end, frames[0])
+        if score * 2 * sensitivity > 1 and not _recurs(curve, start + 1 - margin, end + margin):
+            yield _finding(curve.name, frames, "frozen", end + 1 - start, size, score)
+
+
+def _is_alone(still: np.ndarray, share_still: np.ndarray, start: int, end: int) -> bool:
+    """Whether a rotation stands still in the steps from `start` to `end` while others move, and
+    hardly elsewhere."""
+    elsewhere = np.count_nonzero(still) - (end - start)
+    rare = elsewhere <= ELSEWHERE_SHARE * (end - start)
+    return bool(rare and np.median(share_still[start:end]) <= OTHERS_SHARE)
+
+
+def _least_frames(rate: float) -> int:
+    return max(FROZEN_FRAMES, round(FROZEN_SECONDS * rate))
+
+
+def _margin(rate: float) -> int:
+    return max(2, round(EASED_SECONDS * rate))
+
+
+def _left_behind(
+    motion: Motion, curves: list[Curve], found: list[Finding], sensitivity: float
+) -> Iterator[Finding]:
+    """The runs of frames in which a stretched arm points at one place of the world that it does not
+    reach, and those beside them in which it does; but for what was found about that shoulder."""
+    joints = rig_of(motion).joints
+    margin = round(BESIDE_SECONDS * motion.rate)
+    for curve in curves:
+        if curve.name not in ARMS or not curve.name.endswith("shoulder"):
+            continue
+        column = JOINTS.index(curve.name)
+        arm = motion.positions(list(joints[column : column + 3])) / body_size(motion)
+        reach = np.linalg.norm(arm[:, 2] - arm[:, 0], axis=-1)
+        length = np.linalg.norm(np.diff(arm, axis=1), axis=-1).sum(axis=-1)
+        steady = np.abs(np.diff(reach)) <= STEADY_METRES
+        steady &= reach[1:] > STRETCHED_SHARE * length[1:]
+        taken = [f for f in found if f.joint == curve.name]
+        for start, end in runs(steady).tolist():
+            if any(f.frames[0] <= end and start <= f.frames[1] for f in taken):
+                continue
+            if end - start < _least_frames(motion.rate):
+                continue
+            origin = max(start - margin, 0)
+            near = arm[origin : end + margin]
+            aims, score = _aims(near, slice(start - origin, end + 1 - origin))
+            if score * 2 * sensitivity <= 1:
+                continue
+            ends = next((a, b) for a, b in runs(aims).tolist() if a <= start - origin < b)
+            first, last = origin + ends[0], origin + ends[1] - 1
+            frames = _with_onsets(curve, first, last, first)
+            for name in JOINTS[column : column + 2]:
+                why = "points at one place of the world that it does not reach"
+                yield Finding(name, frames, "frozen", why, 0.0, confidence(score))
+
+
+def _aims(arm: np.ndarray, steady: slice) -> tuple[np.ndarray, float]:
+    """The frames in which an arm (frames, 3 joints, 3) points at the place at which it points in
+    the frames `steady`, and the evidence that there is one; 0 if there is none."""
+    way = arm[:, 2] - arm[:, 0]
+    way = way / np.linalg.norm(way, axis=-1, keepdims=True)
+    # The place p has the least distances from the lines of these frames: Σ (I - w wᵀ) (p - s) = 0.
+    across = np.eye(3) - way[:, :, None] * way[:, None]
+    sums = np.einsum("fij,fj->i", across[steady], arm[steady, 0])
+    place = np.linalg.lstsq(across[steady].sum(axis=0), sums)[0]
+    off = np.linalg.norm(np.einsum("fij,fj->fi", across, place - arm[:, 0]), axis=-1)
+    beyond = np.ptp(np.linalg.norm(place - arm[steady, 2], axis=-1))
+    aims = off <= AIM_METRES
+    return aims, float(beyond / BEYOND_METRES) * aims[steady].all()
+
+
+def _with_onsets(curve: Curve, start: int, end: int, first: int) -> tuple[int, int]:
+    """The first and the last wrong frame of a rotation that stands still, or is otherwise wrong,
+    from frame `start` to `end`; `first` where it does not begin slowly."""
+    margin = _margin(curve.rate)
+    before = _onset(curve, start, -1, margin) - 1
+    return start - before if before else first, end + _onset(curve, end, 1, margin) - 1
+
+
+def _onset(curve: Curve, frame: int, way: int, margin: int) -> int:
+    """In how many steps before (way -1) or after (1) a frame at which a rotation begins or ends to
+    stand still its speed changes back; 1 where it does not."""
+    x = curve.continuous()
+    frames = frame + way * np.arange(margin + 1)
+    frames = frames[(frames > 0) & (frames < len(x) - 1)]
+    kinks = x[frames - 1] - 2 * x[frames] + x[frames + 1]
+    if len(kinks) < 2:
+        return 1
+    back = -kinks[1:] @ kinks[0]
+    if back.max() < KINK_SHARE * kinks[0] @ kinks[0]:
+        return 1
+    return 1 + int(np.argmax(back))
 
 
 def _recurs(curve: Curve, first: int, last: int) -> bool:
     """Whether a value that stands still is also met elsewhere: the limit of a joint."""
-    same = np.abs(curve.values - curve.values[last]).max(axis=-1) <= STILL_METRES
+    at = curve.values[(first + last) // 2]
+    same = np.abs(curve.values - at).max(axis=-1) <= STILL_METRES
     return bool(same[: max(first - 1, 0)].any() or same[last + 1 :].any())
 
 
-def _finding(joint: str, kind: str, segment: Segment, first: int) -> Finding:
-    moves = f"then moves by {100 * segment.size:.1f} cm"
-    why = f"stands still for {len(segment)} frames, {moves}"
-    return Finding(joint, (first, segment.end - 1), kind, why, 0.0, confidence(segment.score))
+def _finding(
+    joint: str, frames: tuple[int, int], kind: str, count: int, size: float, score: float
+) -> Finding:
+    why = f"stands still for {count} frames, then moves by {100 * size:.1f} cm"
+    return Finding(joint, frames, kind, why, 0.0, confidence(score))
 
 
-def _still_segments(
-    steps: np.ndarray, least_frames: int, least_metres: float, sensitivity: float
-) -> Iterator[tuple[Segment, float]]:
-    """The runs of steps (F - 1,) that stand still for at least `least_frames` and end with a jump;
-    each with the score of the jump into it."""
-    for start, end in runs(steps <= STILL_METRES).tolist():
-        if end - start < least_frames or end == len(steps):
-            continue
-        before = steps[max(start - 4, 0) : max(start - 1, 0)]
-        into = _score_of_jump(steps[start - 1], before, least_metres)
-        score = _score_of_jump(steps[end], steps[end + 1 : end + 4], least_metres)
-        if score * 2 * sensitivity > 1:
-            yield Segment(start, end + 1, score, float(steps[end])), into
+def _scores_of_jumps(
+    steps: np.ndarray, start: int, end: int, least_metres: float
+) -> tuple[float, float]:
+    """The scores of the jumps into a run of steps that stand still, and out of it."""
+    before = steps[max(start - 4, 0) : max(start - 1, 0)]
+    into = _score_of_jump(steps[start - 1], before, least_metres)
+    return into, _score_of_jump(steps[end], steps[end + 1 : end + 4], least_metres)
 
 
 def _score_of_jump(step: float, neighbours: np.ndarray, least_metres: float) -> float:

@@ -16,10 +16,12 @@ from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.repair import PRESETS, Finding, Preset, repair
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import is_path, usable
+from numpy_cae.repair.interpolated import missing_joints
 from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.repair.repair import mend
 from numpy_cae.repair.still import find_t_pose
+from studies.shared.damages import DAMAGES, eased
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
 ARM = [JOINTS.index(f"left_{joint}") for joint in ("elbow", "wrist")]
@@ -120,6 +122,17 @@ def test_a_leg_that_turns_over_a_few_frames_is_turned_back(manifold, onset):
     assert error(repaired.motion, motion, there, ALL) < 0.3 * error(damaged, motion, there, ALL)
     again = repair(damaged, manifold, findings=repaired.findings).motion
     np.testing.assert_array_equal(again.rotations, repaired.motion.rotations)
+
+
+@pytest.mark.parametrize("kind", ["frozen in channels", "frozen in the world", "missing marker"])
+def test_an_arm_that_freezes_over_a_few_frames_is_found(manifold, kind):
+    motion = make_take("walk", 4, seconds=6.0, rate=30.0).motion
+    damaged, mask = DAMAGES[kind](motion, np.random.default_rng(1))
+    repaired = repair(eased(motion, damaged, mask, 3), manifold)
+    assert {"frozen"} == {finding.kind for finding in repaired.findings}
+    found = missing_joints(motion, repaired.findings)
+    assert found[mask].mean() > 0.8
+    assert found[~mask].mean() < 0.01
 
 
 def test_a_clean_motion_is_left_as_it_is(manifold, walk):
