@@ -19,13 +19,12 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.contacts import foot_sliding, foot_speeds, lower_foot
+from numpy_cae.motion.contacts import FEET, foot_sliding, foot_speeds, lower_foot
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import RATE, Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
 from numpy_cae.repair.finding import joint_names
 
-LEG = ("hip", "knee", "ankle")
 STILL_METRES = 1e-6
 """STILL_METRES: a curve stands still where it changes by no more than this (m; of quaternions, in
 their values)."""
@@ -147,7 +146,7 @@ def curves_of(motion: Motion) -> Iterator[Curve]:
 def body_size(motion: Motion) -> float:
     """The length of the legs of a motion, divided by that of a body of usual size."""
     body = body_positions(motion.at(slice(0, 1)))[0]
-    legs = [body[[JOINTS.index(f"{side}_{joint}") for joint in LEG]] for side in ("left", "right")]
+    legs = [body[toe - 3 : toe] for toe in FEET]  # hip, knee, ankle
     length = np.linalg.norm(np.diff(legs, axis=1), axis=-1).sum(axis=-1).mean()
     return float(length / LEG_METRES) or 1.0
 

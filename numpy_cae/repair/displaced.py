@@ -111,12 +111,12 @@ def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> bool(np.ptp(mended.translations[:2, 0], axis=0).max() < 0.05)
     True
     """
-    found = []
-    for curve in curves_of(motion):
-        for segment, kind in _classified(curve, sensitivity):
-            if kind != "spike":
-                found.append(_finding(curve, segment, kind))
-    return found
+    return [
+        _finding(curve, segment, kind)
+        for curve in curves_of(motion)
+        for segment, kind in _classified(curve, sensitivity)
+        if kind != "spike"
+    ]
 
 
 def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
@@ -285,14 +285,14 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     found = []
     for curve in curves_of(motion):
         for _ in range(SPIKE_ROUNDS):
-            spikes = _that_move(motion, curve, _spikes(curve, sensitivity), sensitivity)
-            if not spikes:
-                break
+            spikes = _spikes(motion, curve, sensitivity)
             for spike in spikes:
                 why = f"{curve.amount(spike.size)} from the frames before and after"
                 frames = (spike.first, spike.end - 1)
                 sure = confidence(spike.score)
                 found.append(Finding(curve.name, frames, curve.spike_kind, why, 0.0, sure))
+            if not spikes:
+                break
             curve = _interpolated(curve, spikes)
     return list(dict.fromkeys(found))  # a replaced frame may deviate again
 
@@ -307,21 +307,18 @@ def _least_spike(rate: float) -> float:
     return max(least_jump(rate), LEAST_ACCELERATION / rate**2)
 
 
-def _spikes(curve: Curve, sensitivity: float) -> list[Segment]:
+def _spikes(motion: Motion, curve: Curve, sensitivity: float) -> list[Segment]:
     """Of the runs of a curve that may be spikes, those with the largest deviations, no two of which
-    touch each other."""
-    candidates = sorted(_candidates(curve, sensitivity), key=_deviation_first, reverse=True)
+    touch each other, and of these those that move the body."""
+    candidates = _candidates(curve, sensitivity)
+    candidates.sort(key=lambda run: (run.size, run.score, run), reverse=True)
     taken = np.zeros(len(curve.values), bool)
     spikes = []
     for run in candidates:
         if not taken[run.first - 1 : run.end + 1].any():
             taken[run.first : run.end] = True
             spikes.append(run)
-    return spikes
-
-
-def _deviation_first(run: Segment) -> tuple[float, float, int, int]:
-    return run.size, run.score, run.first, run.end
+    return [run for run in spikes if _moves(motion, curve, run, sensitivity)]
 
 
 def _candidates(curve: Curve, sensitivity: float) -> list[Segment]:
@@ -355,20 +352,14 @@ def _candidates(curve: Curve, sensitivity: float) -> list[Segment]:
     return runs
 
 
-def _that_move(
-    motion: Motion, curve: Curve, spikes: list[Segment], sensitivity: float
-) -> list[Segment]:
-    """The spikes of a curve with which a point that the joint carries leaves its own cubic too."""
-    moving = []
-    for spike in spikes:
-        around = motion.at(slice(spike.first - 2, spike.end + 2))
-        positions = _carried(around, curve) / body_size(motion)
-        off = _deviation(positions, np.array([2]), len(spike))[0]
-        beside = np.linalg.norm(positions[[1, -1]] - positions[[0, -2]], axis=-1).max(axis=0)
-        least = np.maximum(_least_spike(motion.rate), NEIGHBOUR_RATIO * beside)
-        if not len(off) or (off * 2 * sensitivity > least).any():
-            moving.append(spike)
-    return moving
+def _moves(motion: Motion, curve: Curve, spike: Segment, sensitivity: float) -> bool:
+    """Whether a point that the joint carries leaves its own cubic with a spike, too."""
+    around = motion.at(slice(spike.first - 2, spike.end + 2))
+    positions = _carried(around, curve) / body_size(motion)
+    off = _deviation(positions, np.array([2]), len(spike))[0]
+    beside = np.linalg.norm(positions[[1, -1]] - positions[[0, -2]], axis=-1).max(axis=0)
+    least = np.maximum(_least_spike(motion.rate), NEIGHBOUR_RATIO * beside)
+    return not len(off) or bool((off * 2 * sensitivity > least).any())
 
 
 def _carried(motion: Motion, curve: Curve) -> np.ndarray:
@@ -389,22 +380,14 @@ def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray
     """How far runs of values (F, …, C) that begin at the frames `first` (N,) are from their cubics,
     (N, …) in metres."""
     deviations = []
-    for inside in (0, length - 1):
-        off = values[first + inside].copy()
-        for time, weight in _weights(length, inside + 1):
-            off -= weight * values[first - 1 + time]
+    times = np.array([-1, 0, length + 1, length + 2])  # of the frames of a cubic; the run is from 1
+    for at in (1, length):
+        off = values[first - 1 + at].copy()
+        for time in times:
+            others = times[times != time]
+            off -= np.prod((at - others) / (time - others)) * values[first - 1 + time]
         deviations.append(np.linalg.norm(off, axis=-1))
     return np.minimum(*deviations)
-
-
-def _weights(length: int, at: int) -> list[tuple[int, float]]:
-    """Of a cubic the times -1, 0, length + 1 and length + 2, and the weights of its values there at
-    the time `at`."""
-    times = np.array([-1, 0, length + 1, length + 2])
-    return [
-        (int(time), float(np.prod([(at - x) / (time - x) for x in times if x != time])))
-        for time in times
-    ]
 
 
 def _interpolated(curve: Curve, segments: Sequence[Segment]) -> Curve:

@@ -33,10 +33,8 @@ from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
 from numpy_cae.repair.jumps import jumping_steps
 
 TOES = [JOINTS[foot] for foot in FEET]
-LEGS = [
-    [JOINTS.index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle", "toe")]
-    for side in ("left", "right")
-]
+LEGS = [list(range(toe - 3, toe + 1)) for toe in FEET]
+"""LEGS: hip, knee, ankle and toe of both legs, which follow one another among the twenty joints."""
 HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]
 CALM_SECONDS = 0.1
 """CALM_SECONDS: steps and speeds are taken over so long before and after a frame (s)."""
@@ -69,16 +67,16 @@ def path_of_root(motion: Motion) -> np.ndarray:
     lower_height = toes[..., 1].min(axis=1)
     leg = np.linalg.norm(np.diff(body[0, LEGS[0][:3]], axis=0), axis=-1).sum()
     none = np.zeros((len(motion), 3))
-    if len(motion) < 3 or np.median(hips[:, 1] - lower_height) < UPRIGHT_LEGS * leg:
-        return none
-    if _hands_are_held(body):
+    lies = len(motion) < 3 or np.median(hips[:, 1] - lower_height) < UPRIGHT_LEGS * leg
+    if lies or np.linalg.norm(_range(body[:, HANDS]), axis=-1).max() < HELD_METRES:
         return none
     root_steps = np.diff(hips, axis=0)
     asked_steps = _steps_of_feet(root_steps, toes)
     asked = np.linalg.norm(asked_steps, axis=1).sum()
     if np.linalg.norm(root_steps, axis=1).sum() >= FOLLOWING_SHARE * asked:
         return none
-    if _makes_steps(toes):
+    apart = _range(toes[:, 0] - toes[:, 1])
+    if np.hypot(apart[0], apart[2]) > STEPS_METRES:
         missing = median_of(asked_steps - root_steps, max(round(CALM_SECONDS * motion.rate), 1))
         path = np.concatenate([none[:1], np.cumsum(missing, axis=0)])
     else:
@@ -98,17 +96,9 @@ def _steps_of_feet(root_steps: np.ndarray, toes: np.ndarray) -> np.ndarray:
     return root_steps - np.diff(toes, axis=0)[np.arange(len(root_steps)), lower]
 
 
-def _hands_are_held(body: np.ndarray) -> bool:
-    """Whether both hands of a body (frames, 20, 3) stay at one place."""
-    low, high = np.quantile(body[:, HANDS], [0.1, 0.9], axis=0)
-    return bool(np.linalg.norm(high - low, axis=-1).max() < HELD_METRES)
-
-
-def _makes_steps(toes: np.ndarray) -> bool:
-    """Whether the feet (frames, 2, 3) change places along the floor."""
-    low, high = np.quantile(toes[:, 0] - toes[:, 1], [0.1, 0.9], axis=0)
-    apart = high - low
-    return bool(np.hypot(apart[0], apart[2]) > STEPS_METRES)
+def _range(x: np.ndarray) -> np.ndarray:
+    """The range of values (frames, …) in most frames."""
+    return np.subtract(*np.quantile(x, [0.9, 0.1], axis=0))
 
 
 SLOW_METRES_A_SECOND = 0.5

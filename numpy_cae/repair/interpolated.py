@@ -46,11 +46,9 @@ def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.nd
             joint = names.index(finding.joint)
             turned[frames, joint] |= finding.kind not in TRANSLATION_KINDS
             moved[frames, joint] |= finding.kind not in ROTATION_KINDS
-    if missing.any():
-        of_rig = unknown_channels(motion, missing)
-        turned = turned | of_rig[0]
-        moved = moved | of_rig[1]
-    return turned, moved & (np.ptp(motion.translations, axis=0).max(axis=-1) > 0)
+    unknown = unknown_channels(motion, missing)
+    moved &= np.ptp(motion.translations, axis=0).max(axis=-1) > 0
+    return turned | unknown[0], moved | unknown[1]
 
 
 def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
@@ -79,8 +77,7 @@ def interpolate_channels(
     curve_at: CurveAt = eased_everywhere,
     frames: np.ndarray | slice = EVERY,
 ) -> Motion:
-    """The motion, or some of its frames, with the damaged channels of findings interpolated
-    (`repair.rotation_curves`)."""
+    """The motion, or some of its frames, with the damaged channels of findings interpolated."""
     return channels_on_curves(motion, *damaged_channels(motion, findings), curve_at, frames)
 
 

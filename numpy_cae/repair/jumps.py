@@ -77,9 +77,8 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
             if not sharp[first:end, column].any():
                 continue
             at = first + np.flatnonzero(jumps[first:end, column])
-            by = f"by more than {100 * OFF_MEDIAN_METRES:.0f} cm"
             steps = "1 step differs" if len(at) == 1 else f"{len(at)} steps differ"
-            why = f"{steps} from the steps around {by}"
+            why = f"{steps} from the steps around by more than {100 * OFF_MEDIAN_METRES:.0f} cm"
             found.append(Finding(JOINTS[column], (int(at[0]), int(at[-1])), "jumps", why))
     return found
 

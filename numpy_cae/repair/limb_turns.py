@@ -227,15 +227,14 @@ def _turns(q: np.ndarray, rate: float) -> Iterator[Turn]:
         sizes = np.linalg.norm(changes, axis=1)
         for i, first in enumerate(begins.tolist()):
             risen = first + int(lags[i])
-            near = (begins >= risen + SHORTEST_SECONDS * rate - 1) & (
-                begins <= first + LONGEST_SECONDS * rate
-            )
+            latest = first + LONGEST_SECONDS * rate
+            near = (begins >= risen + SHORTEST_SECONDS * rate - 1) & (begins <= latest)
             left = np.linalg.norm(changes[i] + changes[near], axis=1)
             left /= np.minimum(sizes[i], sizes[near])
-            for j in np.flatnonzero(near)[left < CLOSING_SHARE].tolist():
+            closing = left < CLOSING_SHARE
+            for j, share in zip(np.flatnonzero(near)[closing].tolist(), left[closing], strict=True):
                 vector = (changes[i] - changes[j]) / 2
-                closing = np.linalg.norm(changes[i] + changes[j]) / min(sizes[i], sizes[j])
-                size = min(ratios[i], ratios[j]) * (1 - closing)
+                size = min(ratios[i], ratios[j]) * (1 - share)
                 falls = int(begins[j])
                 end = falls + int(lags[j])
                 yield Turn(first, risen, falls, end, vector, in_parent, float(size))

@@ -15,7 +15,6 @@ works at thirty frames a second, (F, …); masks and findings are in the frames 
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -142,9 +141,8 @@ def repair(
         mended, residual = complete_holes(mended, manifold, found)
     found = [*t_pose, *shifted(found, first)]
     repaired = repaired_of(finite, joined(finite.at(slice(first)), mended), found, broken)
-    repaired = replace(
-        repaired, original=motion, residual=residual, known=residual <= UNKNOWN_METRES
-    )
+    known = residual <= UNKNOWN_METRES
+    repaired = replace(repaired, original=motion, residual=residual, known=known)
     return repaired.without_first(first) if preset.cut else repaired
 
 
@@ -181,51 +179,38 @@ def mend(
     preset = preset or Preset()
     found: list[Finding] = []
     for step in STEPS:
-        if step.asks:
-            if manifold is None:
-                continue
-            step = step._replace(
-                find=partial(step.find, manifold=manifold),
-                mend=partial(step.mend, manifold=manifold),
-            )
-        if step.option and getattr(preset, step.option):
-            motion, damage = _mended(motion, step.find(motion, preset.sensitivity), step)
-        elif given is not None:
-            motion, damage = _mended(motion, [f for f in given if f.kind in step.kinds], step)
-        elif not step.option:
-            motion, damage = _mended_if_better(motion, step.find(motion, preset.sensitivity), step)
-        else:
+        asked = step.option and getattr(preset, step.option)
+        model = (manifold,) if step.asks else ()
+        if (step.asks and manifold is None) or (step.option and not asked and given is None):
             continue
+        if given is not None and not asked:
+            damage = [finding for finding in given if finding.kind in step.kinds]
+        else:
+            damage = step.find(motion, preset.sensitivity, *model)
+        motion, damage = _mended(motion, damage, step, model, asked or given is not None)
         found += damage
     others = [finding for finding in given or [] if finding.kind == "marked"]
     return motion, found + others
 
 
-def _mended(motion: Motion, damage: list[Finding], step: Step) -> tuple[Motion, list[Finding]]:
-    """The motion after a step that the user asked for, and its findings."""
-    mendable = [finding for finding in damage if finding.status == "repaired"]
-    mended = step.mend(motion, mendable) if mendable else motion
-    if step.option and mended is motion:
-        damage = [replace(f, status="left") if f in mendable else f for f in damage]
-    return mended, damage
-
-
-def _mended_if_better(
-    motion: Motion, damage: list[Finding], step: Step
+def _mended(
+    motion: Motion, damage: list[Finding], step: Step, model: tuple, wanted: bool
 ) -> tuple[Motion, list[Finding]]:
-    """The motion after a step, and its findings. Those near which more joints jump, or feet slide
-    more, are left; all are left where too many jumps remain."""
+    """The motion after a step, and its findings. If the user has not `wanted` the step, findings
+    near which more joints jump, or feet slide more, are left; all are left where too many jumps
+    remain."""
     sure = [finding for finding in damage if finding.status == "repaired"]
     done = sure
     mended = motion
     for _ in range(ROUNDS):
-        mended = step.mend(motion, done) if done else motion
-        worse = _worse(mended, motion, done, step)
+        mended = step.mend(motion, done, *model) if done else motion
+        worse = [] if wanted else _worse(mended, motion, done, step)
         done = [finding for finding in done if finding not in worse]
         if not worse:
             break
-    else:
+    if worse:
         mended = motion
+    if mended is motion and (step.option or worse):
         done = []
     left = [replace(finding, status="left") for finding in sure if finding not in done]
     return mended, done + left + [finding for finding in damage if finding not in sure]

@@ -95,14 +95,11 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
 
 def _repeated(steps: np.ndarray, sensitivity: float) -> Iterator[Finding]:
     """The runs of frames that repeat the pose of the frame before them."""
-    for start, end in runs(steps <= STILL_METRES).tolist():
-        if end == len(steps):
-            continue
-        into, score = _scores_of_jumps(steps, start, end, 0.0)
+    for start, end, into, score in _still_runs(steps, 1, 0.0):
         if score * 2 * sensitivity > 1:
             # A jump into the run shows that its first pose is wrong too.
-            frames = start + (into <= 1), end
-            yield _finding(BODY, frames, "repeated", end + 1 - start, steps[end], score)
+            first = start + (into <= 1)
+            yield _finding(BODY, (first, end), "repeated", end + 1 - start, steps[end], score)
 
 
 def _frozen(curve: Curve, share_still: np.ndarray, sensitivity: float) -> Iterator[Finding]:
@@ -111,40 +108,32 @@ def _frozen(curve: Curve, share_still: np.ndarray, sensitivity: float) -> Iterat
     steps = curve.steps()
     still = steps <= STILL_METRES
     least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_METRES_A_SECOND / curve.rate)
-    for start, end in runs(still).tolist():
-        if end - start < _least_frames(curve.rate) or end == len(steps):
-            continue
-        into, score = _scores_of_jumps(steps, start, end, least_metres)
+    for start, end, into, score in _still_runs(steps, _least_frames(curve.rate), least_metres):
         score *= np.mean(still) < UNUSED_SHARE
-        size = float(steps[end])
+        size = steps[end]
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
         frames = start + (into <= 1 and start > 0), end
         margin = 0
-        if curve.name in ARMS and start and _is_alone(still, share_still, start, end):
-            margin = _margin(curve.rate)
+        elsewhere = np.count_nonzero(still) - (end - start)
+        rare = elsewhere <= ELSEWHERE_SHARE * (end - start)
+        alone = rare and np.median(share_still[start:end]) <= OTHERS_SHARE
+        if curve.name in ARMS and start and alone:
+            margin = _longest_onset(curve.rate)
             later = np.arange(end + 1, min(end + margin + 1, len(curve.values)))
             away = curve.between(np.full(len(later), end), later)
-            size = max(size, float(np.linalg.norm(away, axis=1).max()))
+            size = max(size, np.linalg.norm(away, axis=1).max())
             score = max(score, size / EASED_METRES)
             frames = _with_onsets(curve, start, end, frames[0])
-        if score * 2 * sensitivity > 1 and not _recurs(curve, start + 1 - margin, end + margin):
+        if score * 2 * sensitivity > 1 and not _recurs(curve, start - margin, end + margin):
             yield _finding(curve.name, frames, "frozen", end + 1 - start, size, score)
-
-
-def _is_alone(still: np.ndarray, share_still: np.ndarray, start: int, end: int) -> bool:
-    """Whether a rotation stands still in the steps from `start` to `end` while others move, and
-    hardly elsewhere."""
-    elsewhere = np.count_nonzero(still) - (end - start)
-    rare = elsewhere <= ELSEWHERE_SHARE * (end - start)
-    return bool(rare and np.median(share_still[start:end]) <= OTHERS_SHARE)
 
 
 def _least_frames(rate: float) -> int:
     return max(FROZEN_FRAMES, round(FROZEN_SECONDS * rate))
 
 
-def _margin(rate: float) -> int:
+def _longest_onset(rate: float) -> int:
     return max(2, round(EASED_SECONDS * rate))
 
 
@@ -166,18 +155,16 @@ def _left_behind(
         steady &= reach[1:] > STRETCHED_SHARE * length[1:]
         taken = [f for f in found if f.joint == curve.name]
         for start, end in runs(steady).tolist():
-            if any(f.frames[0] <= end and start <= f.frames[1] for f in taken):
-                continue
-            if end - start < _least_frames(motion.rate):
+            known = any(f.frames[0] <= end and start <= f.frames[1] for f in taken)
+            if known or end - start < _least_frames(motion.rate):
                 continue
             origin = max(start - margin, 0)
             near = arm[origin : end + margin]
             aims, score = _aims(near, slice(start - origin, end + 1 - origin))
             if score * 2 * sensitivity <= 1:
                 continue
-            ends = next((a, b) for a, b in runs(aims).tolist() if a <= start - origin < b)
-            first, last = origin + ends[0], origin + ends[1] - 1
-            frames = _with_onsets(curve, first, last, first)
+            ends = next(run for run in origin + runs(aims) if run[0] <= start < run[1])
+            frames = _with_onsets(curve, int(ends[0]), int(ends[1]) - 1, int(ends[0]))
             for name in JOINTS[column : column + 2]:
                 why = "points at one place of the world that it does not reach"
                 yield Finding(name, frames, "frozen", why, 0.0, confidence(score))
@@ -201,31 +188,26 @@ def _aims(arm: np.ndarray, steady: slice) -> tuple[np.ndarray, float]:
 def _with_onsets(curve: Curve, start: int, end: int, first: int) -> tuple[int, int]:
     """The first and the last wrong frame of a rotation that stands still, or is otherwise wrong,
     from frame `start` to `end`; `first` where it does not begin slowly."""
-    margin = _margin(curve.rate)
-    before = _onset(curve, start, -1, margin) - 1
-    return start - before if before else first, end + _onset(curve, end, 1, margin) - 1
+    before = _onset(curve, start, -1)
+    return start - before if before else first, end + _onset(curve, end, 1)
 
 
-def _onset(curve: Curve, frame: int, way: int, margin: int) -> int:
-    """In how many steps before (way -1) or after (1) a frame at which a rotation begins or ends to
-    stand still its speed changes back; 1 where it does not."""
+def _onset(curve: Curve, frame: int, way: int) -> int:
+    """How many frames before (way -1) or after (1) a frame at which a rotation begins or ends to
+    stand still it is wrong, too: up to the next one in which its speed changes back."""
     x = curve.continuous()
-    frames = frame + way * np.arange(margin + 1)
+    frames = frame + way * np.arange(_longest_onset(curve.rate) + 1)
     frames = frames[(frames > 0) & (frames < len(x) - 1)]
     kinks = x[frames - 1] - 2 * x[frames] + x[frames + 1]
-    if len(kinks) < 2:
-        return 1
-    back = -kinks[1:] @ kinks[0]
-    if back.max() < KINK_SHARE * kinks[0] @ kinks[0]:
-        return 1
-    return 1 + int(np.argmax(back))
+    back = -kinks[1:] @ kinks[0] if len(kinks) > 1 else np.zeros(1)
+    return int(np.argmax(back)) if back.max() >= KINK_SHARE * np.sum(kinks[:1] ** 2) else 0
 
 
-def _recurs(curve: Curve, first: int, last: int) -> bool:
-    """Whether a value that stands still is also met elsewhere: the limit of a joint."""
-    at = curve.values[(first + last) // 2]
+def _recurs(curve: Curve, start: int, end: int) -> bool:
+    """Whether the value between two frames is also met before or after: the limit of a joint."""
+    at = curve.values[(start + 1 + end) // 2]
     same = np.abs(curve.values - at).max(axis=-1) <= STILL_METRES
-    return bool(same[: max(first - 1, 0)].any() or same[last + 1 :].any())
+    return bool(same[: max(start, 0)].any() or same[end + 1 :].any())
 
 
 def _finding(
@@ -235,20 +217,22 @@ def _finding(
     return Finding(joint, frames, kind, why, 0.0, confidence(score))
 
 
-def _scores_of_jumps(
-    steps: np.ndarray, start: int, end: int, least_metres: float
-) -> tuple[float, float]:
-    """The scores of the jumps into a run of steps that stand still, and out of it."""
-    before = steps[max(start - 4, 0) : max(start - 1, 0)]
-    into = _score_of_jump(steps[start - 1], before, least_metres)
-    return into, _score_of_jump(steps[end], steps[end + 1 : end + 4], least_metres)
+def _still_runs(
+    steps: np.ndarray, least_frames: int, least_metres: float
+) -> Iterator[tuple[int, int, float, float]]:
+    """The runs of at least `least_frames` steps (F - 1,) that stand still and end before the last
+    one: first, end, and the scores of the jumps into the run and out of it."""
+    for start, end in runs(steps <= STILL_METRES).tolist():
+        if end - start >= least_frames and end < len(steps):
+            before = steps[max(start - 4, 0) : max(start - 1, 0)]
+            into = _score_of_jump(steps[start - 1], before, least_metres)
+            out = _score_of_jump(steps[end], steps[end + 1 : end + 4], least_metres)
+            yield start, end, into, out
 
 
 def _score_of_jump(step: float, neighbours: np.ndarray, least_metres: float) -> float:
-    """How many times the threshold the jump out of a run that stands still is."""
-    if not len(neighbours):
-        return 0.0
-    usual = CAUGHT_UP_RATIO * float(np.median(neighbours))
+    """How many times the threshold the jump into or out of a run that stands still is."""
+    usual = CAUGHT_UP_RATIO * np.median(neighbours) if len(neighbours) else np.inf
     return float(step / max(least_metres, usual, STILL_METRES))
 
 
