@@ -21,10 +21,9 @@ from numpy_cae.repair.jumps import jumping_steps
 from numpy_cae.repair.presets import fitting_preset
 from numpy_cae.repair.repair import mend
 from numpy_cae.repair.still import find_t_pose
-from studies.shared.damages import DAMAGES, eased
+from studies.shared.damages import DAMAGES, EASED, eased
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
-ARM = [JOINTS.index(f"left_{joint}") for joint in ("elbow", "wrist")]
 LEGS_OF_RIG = [f"{side}{bone}" for side in "lr" for bone in ("hipjoint", "femur", "tibia", "foot")]
 REST = [0.0, 0.0, 0.0, 1.0]
 
@@ -111,28 +110,21 @@ def test_a_leg_turns_two_frames_after_a_step_of_its_own():
 
 
 @pytest.mark.parametrize("onset", [1, 2, 4])
-def test_a_leg_that_turns_over_a_few_frames_is_turned_back(manifold, onset):
+@pytest.mark.parametrize("kind", EASED)
+def test_damage_that_begins_over_a_few_frames_is_found(manifold, kind, onset):
     motion = make_take("walk", 4, seconds=6.0, rate=30.0).motion
-    degrees = np.interp(np.arange(180), [80, 81 + onset, 119, 120 + onset], [0, 50, 50, 0])
-    damaged = turned(motion, {"rfemur": degrees}, "z")
-    repaired = repair(damaged, manifold)
-    (finding,) = repaired.findings
-    assert (finding.kind, finding.joint) == ("limb turned", "right_hip")
-    there = slice(81, 120 + onset)
-    assert error(repaired.motion, motion, there, ALL) < 0.3 * error(damaged, motion, there, ALL)
-    again = repair(damaged, manifold, findings=repaired.findings).motion
-    np.testing.assert_array_equal(again.rotations, repaired.motion.rotations)
-
-
-@pytest.mark.parametrize("kind", ["frozen in channels", "frozen in the world", "missing marker"])
-def test_an_arm_that_freezes_over_a_few_frames_is_found(manifold, kind):
-    motion = make_take("walk", 4, seconds=6.0, rate=30.0).motion
+    true = body_positions(motion)
     damaged, mask = DAMAGES[kind](motion, np.random.default_rng(1))
-    repaired = repair(eased(motion, damaged, mask, 3), manifold)
-    assert {"frozen"} == {finding.kind for finding in repaired.findings}
+    damaged = eased(motion, damaged, mask, onset)
+    repaired = repair(damaged, manifold)
     found = missing_joints(motion, repaired.findings)
     assert found[mask].mean() > 0.8
     assert found[~mask].mean() < 0.01
+    share = 1.1 if kind == "frozen in channels" else 0.3  # arms that hang are filled in no better
+    off = [np.linalg.norm(body_positions(m) - true, axis=-1) for m in (repaired.motion, damaged)]
+    assert off[0][mask].mean() < share * off[1][mask].mean()
+    again = repair(damaged, manifold, findings=repaired.findings).motion
+    np.testing.assert_array_equal(again.rotations, repaired.motion.rotations)
 
 
 def test_a_clean_motion_is_left_as_it_is(manifold, walk):
@@ -256,8 +248,7 @@ def test_feet_that_make_no_steps_are_held_at_one_place():
 
 def test_feet_are_left_alone_where_they_would_slide_more(walk):
     """A finding that says that a foot stands while it swings."""
-    toe = body_positions(walk)[:, FEET[0]]
-    speed = np.linalg.norm(np.gradient(toe, axis=0), axis=-1)
+    speed = np.linalg.norm(np.gradient(body_positions(walk)[:, FEET[0]], axis=0), axis=-1)
     swing = 60 + int(np.argmax(speed[60:240]))
     wrong = [Finding("left_toe", (swing - 6, swing + 6), "foot")]
     assert mend_feet(walk, wrong) is walk
@@ -267,9 +258,8 @@ def test_feet_are_left_alone_where_they_would_slide_more(walk):
 
 
 def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk):
-    rng = np.random.default_rng(1)
     noise = np.zeros(len(walk))
-    noise[100:130] = 40 * rng.normal(size=30)
+    noise[100:130] = 40 * np.random.default_rng(1).normal(size=30)
     noisy = turned(walk, {"lhumerus": noise}, "z")
     repaired = repair(noisy, None)
     assert {"jumps"} == {finding.kind for finding in repaired.findings} - {"spike"}
@@ -277,8 +267,7 @@ def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk
     assert jumping_steps(noisy).sum() > 10
     assert jumping_steps(repaired.motion).sum() <= jumping_steps(ten_lines).sum()
     moved = repaired.touched.any(axis=1)
-    assert not moved[:70].any()
-    assert not moved[160:].any()
+    assert not moved[np.r_[:70, 160:300]].any()
     assert not repaired.touched[:, LEG].any()
 
 
@@ -304,8 +293,7 @@ def test_a_pose_that_begins_and_ends_smoothly_and_lasts_is_no_damage(manifold):
     motion = make_take("walk", 4, seconds=8.0, rate=30.0).motion
     degrees = 100 * np.interp(np.arange(len(motion)), [60, 80, 150, 170], [0, 1, 1, 0])
     kneels = turned(motion, {"lfemur": -0.5 * degrees, "ltibia": degrees}, "x")
-    repaired = repair(kneels, manifold)
-    assert not repaired.touched.any()
+    assert not repair(kneels, manifold).touched.any()
 
 
 def test_an_unknown_motion_gets_what_needs_no_manifold(manifold):
@@ -331,10 +319,9 @@ def test_values_that_are_not_finite_are_filled_in(manifold, walk):
     rotations[50:60, elbow] = np.nan
     repaired = repair(replace(walk, rotations=rotations), manifold)
     assert np.all(np.isfinite(repaired.motion.rotations))
-    assert [(f.joint, f.frames, f.kind) for f in repaired.findings] == [
-        ("left_elbow", (50, 59), "not finite")
-    ]
-    assert error(repaired.motion, walk, slice(50, 60), ARM[1:]) < 0.02
+    found = [(f.joint, f.frames, f.kind) for f in repaired.findings]
+    assert found == [("left_elbow", (50, 59), "not finite")]
+    assert error(repaired.motion, walk, slice(50, 60), [JOINTS.index("left_wrist")]) < 0.02
     assert_other_frames_are_kept(repaired, walk)
 
 
