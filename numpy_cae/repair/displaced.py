@@ -182,10 +182,9 @@ def _is_between(curve: Curve, segment: Segment, jumps: list[int]) -> bool:
     """Whether there is motion before and after a segment, without other jumps for as long as it
     lasts: else the frames outside may be the wrong ones."""
     few = longest_spike(curve.rate)
-    around = range(segment.first - len(segment), segment.end + len(segment) + 1)
-    inside = range(segment.first, segment.end + 1)
-    others = [frame for frame in jumps if frame in around and frame not in inside]
-    return few < segment.first and segment.end < len(curve.values) - few and not others
+    first, end = segment.first, segment.end
+    around = {*range(first - len(segment), first), *range(end + 1, end + len(segment) + 1)}
+    return few < first and end < len(curve.values) - few and around.isdisjoint(jumps)
 
 
 def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
@@ -393,7 +392,6 @@ def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray
 def _interpolated(curve: Curve, segments: Sequence[Segment]) -> Curve:
     """A curve interpolated over segments."""
     missing = np.zeros((len(curve.values), 1), bool)
-    for segment in segments:
-        missing[segment.first : segment.end] = True
+    missing[[frame for run in segments for frame in range(run.first, run.end)]] = True
     over = rotations_over_holes if curve.is_rotation else over_holes
     return replace(curve, values=over(curve.values[:, None], missing, curve.rate)[:, 0])

@@ -71,7 +71,9 @@ def path_of_root(motion: Motion) -> np.ndarray:
     if lies or np.linalg.norm(_range(body[:, HANDS]), axis=-1).max() < HELD_METRES:
         return none
     root_steps = np.diff(hips, axis=0)
-    asked_steps = _steps_of_feet(root_steps, toes)
+    lower = (toes[1:, :, 1] + toes[:-1, :, 1]).argmin(axis=1)
+    # With these steps of the root the lower toe would stand still.
+    asked_steps = root_steps - np.diff(toes, axis=0)[np.arange(len(root_steps)), lower]
     asked = np.linalg.norm(asked_steps, axis=1).sum()
     if np.linalg.norm(root_steps, axis=1).sum() >= FOLLOWING_SHARE * asked:
         return none
@@ -88,12 +90,6 @@ def path_of_root(motion: Motion) -> np.ndarray:
 def moved_along(motion: Motion, path: np.ndarray) -> Motion:
     """The motion with its whole body moved along a path (frames, 3) of `path_of_root`."""
     return retarget(motion, body_positions(motion) + body_size(motion) * path[:, None])
-
-
-def _steps_of_feet(root_steps: np.ndarray, toes: np.ndarray) -> np.ndarray:
-    """The steps of the root (frames - 1, 3) with which the lower toe would stand still."""
-    lower = (toes[1:, :, 1] + toes[:-1, :, 1]).argmin(axis=1)
-    return root_steps - np.diff(toes, axis=0)[np.arange(len(root_steps)), lower]
 
 
 def _range(x: np.ndarray) -> np.ndarray:
@@ -157,8 +153,8 @@ def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     for stance in _stances(toes, level, motion.rate, bool(path.any())):
         toe = toes[stance.first : stance.end, stance.foot]
         away = np.abs(toe - _place(toe, level)).max(axis=0)
-        slides = f"moves by {100 * max(away[0], away[2]):.1f} cm"
-        why = f"{slides}, {100 * away[1]:.1f} cm off the floor"
+        slides, off = 100 * max(away[0], away[2]), 100 * away[1]
+        why = f"moves by {slides:.1f} cm, {off:.1f} cm off the floor"
         found.append(Finding(TOES[stance.foot], (stance.first, stance.end - 1), "foot", why))
         worst = max(worst, float(away.max()))
     if worst * 2 * sensitivity <= LEAST_METRES:
@@ -177,11 +173,8 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     unchanged = motion
     if travels:
         motion = moved_along(motion, path_of_root(motion))
-    stances = [
-        Stance(TOES.index(finding.joint), finding.stretch.start, finding.stretch.stop)
-        for finding in findings
-        if finding.joint in TOES
-    ]
+    feet = [finding for finding in findings if finding.joint in TOES]
+    stances = [Stance(TOES.index(f.joint), f.stretch.start, f.stretch.stop) for f in feet]
     slides = max(sliding(motion), STANDING_CENTIMETRES)
     jumps = _jumps(motion)
     for _ in range(ROUNDS):

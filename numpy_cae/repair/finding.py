@@ -28,8 +28,7 @@ from numpy_cae.motion.motion import Motion
 
 KINDS = (
     *("T-pose", "root elsewhere", "turned", "limb turned", "displaced", "spike", "length"),
-    *("repeated", "frozen"),
-    *("not finite", "jumps", "jitter", "foot", "marked"),
+    *("repeated", "frozen", "not finite", "jumps", "jitter", "foot", "marked"),
 )
 """Kinds of findings:
 
@@ -61,10 +60,8 @@ JOINTS_OF_KIND = {
 }
 """JOINTS_OF_KIND: findings of these kinds are about one of these; others may be about any joint of
 the rig."""
-STATUSES = {
-    "repaired": "",
-    "proposed": "",
-    "left": "left alone, since feet would slide more or joints would jump more",
+STATUSES = dict.fromkeys(("repaired", "proposed"), "") | {
+    "left": "left alone, since feet would slide more or joints would jump more"
 }
 """STATUSES: what became of a finding, and what is printed about it: it was mended; it is not
 certain enough and was not mended; it was not mended since mending made the motion worse."""
@@ -227,12 +224,11 @@ def usable(motion: Motion, finding: Finding) -> Finding:
 
 def shifted(findings: Sequence[Finding], frames: int) -> list[Finding]:
     """The findings some frames later; what lies before frame 0 is left out."""
-    later = []
-    for finding in findings:
-        first, last = finding.frames[0] + frames, finding.frames[1] + frames
-        if last >= 0:
-            later.append(replace(finding, frames=(max(first, 0), last)))
-    return later
+    return [
+        replace(finding, frames=(max(finding.frames[0] + frames, 0), finding.frames[1] + frames))
+        for finding in findings
+        if finding.frames[1] + frames >= 0
+    ]
 
 
 def write_findings(path: str | Path, findings: Iterable[Finding]) -> None:

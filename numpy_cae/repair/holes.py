@@ -100,21 +100,20 @@ class Holes:
         """The motion with the joints of the holes, and nothing else, moved to those of features
         (F, 63) on the mean skeleton."""
         motion = self.motion
-        holes = self.in_file
-        if not holes.any():
+        if not self.in_file.any():
             return motion
         correction = self.positions_of(features) - self.positions_of(self.features)
         correction[~self.mask] = 0.0
-        weight = _ramps(holes, motion.rate)
+        weight = _ramps(self.in_file, motion.rate)
         joints = rig_of(motion).joints
-        row = np.cumsum(holes.any(axis=1)) - 1  # of a frame in `start`
+        row = np.cumsum(self.in_file.any(axis=1)) - 1  # of a frame in `start`
 
         def targets(frames: np.ndarray) -> np.ndarray:
             after = self.start.at(row[frames]).positions(joints)
             moved = at_rate_of(motion, correction, frames)
             return after + moved * weight[frames, :, None]
 
-        return retarget(motion, targets, holes, self.start)
+        return retarget(motion, targets, self.in_file, self.start)
 
 
 def holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
@@ -249,11 +248,10 @@ def curves_and_strengths(
         For a joint and a frame in which it is missing, the mean of `CURVES`; s of the module's
         equation at thirty frames a second, 0 where nothing is missing.
     """
-    motion = body.motion
-    source = motion.source_frames(RATE)
+    source = body.motion.source_frames(RATE)
     number = run_numbers(missing)
     kinds = kinds_of_holes(missing)
-    kinds_at_rate = kinds_of_holes(at_thirty(motion, missing))
+    kinds_at_rate = kinds_of_holes(at_thirty(body.motion, missing))
     strength = np.zeros(kinds_at_rate.shape)
     curves = dict[int, Curve]()
     always = np.asarray(missing.all(axis=0))
@@ -292,10 +290,8 @@ def best_in_hole(
     known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
-    seconds = {
-        str(kind): float(np.count_nonzero((pattern == kind).any(axis=1)) / rate)
-        for kind in np.unique(pattern[pattern != ""])
-    }
+    names = np.unique(pattern[pattern != ""]).tolist()
+    seconds = {kind: np.count_nonzero((pattern == kind).any(axis=1)) / rate for kind in names}
     on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
     by_curve = _weights_of("curves", seconds, errors_in(clip, trials, on_curve))
     curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
@@ -312,10 +308,8 @@ def _weights_of(
     name: str, seconds: dict[str, float], errors: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """The weights of the candidates for "curves" or "strengths", for each kind of hole."""
-    return {
-        kind: weights(prior(name, kind, duration), errors.get(kind), POWERS[name])
-        for kind, duration in seconds.items()
-    }
+    priors = {kind: prior(name, kind, duration) for kind, duration in seconds.items()}
+    return {kind: weights(r, errors.get(kind), POWERS[name]) for kind, r in priors.items()}
 
 
 def on_one(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarray:
@@ -395,5 +389,4 @@ def prior(name: str, kind: str, seconds: float) -> np.ndarray:
 def fill_table() -> dict:
     """Lengths of holes, in frames at 30 a second, and r for each kind of hole, length and candidate
     relative to the first candidate."""
-    text = files("numpy_cae.repair").joinpath("fill_strengths.json").read_text("utf-8")
-    return json.loads(text)
+    return json.loads(files("numpy_cae.repair").joinpath("fill_strengths.json").read_text("utf-8"))

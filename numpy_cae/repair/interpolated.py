@@ -133,8 +133,6 @@ def on_curves(motion: Motion, missing: np.ndarray, curve_at: CurveAt = eased_eve
     >>> off[18:32:3].round(1)
     array([0. , 0.2, 0.6, 0.3, 0. ])
     """
-    if not missing.any():
-        return motion
     return channels_on_curves(motion, *unknown_channels(motion, missing), curve_at)
 
 

@@ -87,9 +87,9 @@ TURNED_JOINTS = {
     for joint, limb in (("hip", "leg"), ("shoulder", "arm"))
 }
 """TURNED_JOINTS: the joints that may be turned, and the limbs that they move."""
-TRUNK = [JOINTS.index(name) for name in ("hips", "spine", "chest")]
-OTHERS = TRUNK + [JOINTS.index(name) + below for name in TURNED_JOINTS for below in (0, 1)]
-"""OTHERS: the joints of the twenty whose rotations are compared with that of a limb."""
+OTHERS = [0, 1, 2, *(JOINTS.index(name) + below for name in TURNED_JOINTS for below in (0, 1))]
+"""OTHERS: the joints of the twenty whose rotations are compared with that of a limb: hips, spine
+and chest, and the two upper ones of each limb."""
 
 
 class Turn(NamedTuple):
@@ -154,8 +154,9 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
             why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
             frames = (turn.first * step + 1, turn.end * step - 1)
             status = "repaired" if level < 2 * sensitivity else "proposed"
-            sure = confidence(1 / level)
-            found.append(Finding(name, frames, "limb turned", why, 0.0, sure, status))
+            found.append(
+                Finding(name, frames, "limb turned", why, 0.0, confidence(1 / level), status)
+            )
     return found
 
 
@@ -170,11 +171,8 @@ def mend_limb_turns(
         joint = rig_of(motion).joints[JOINTS.index(finding.joint)]
         first = (finding.frames[0] - 1) // step
         end = -(-(finding.frames[1] + 1) // step)
-        turns = [
-            turn
-            for turn in _turns(sparse.rotations[:, joint], sparse.rate)
-            if abs(turn.first - first) <= 1 and abs(turn.end - end) <= 1
-        ]
+        possible = _turns(sparse.rotations[:, joint], sparse.rate)
+        turns = [x for x in possible if max(abs(x.first - first), abs(x.end - end)) <= 1]
         if not turns:
             continue
         turn, _ = _best(sparse, manifold, finding.joint, turns)
@@ -240,9 +238,7 @@ def _turns(q: np.ndarray, rate: float) -> Iterator[Turn]:
                 yield Turn(first, risen, falls, end, vector, in_parent, float(size))
 
 
-def _fast_changes(
-    q: np.ndarray, rate: float, in_parent: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _fast_changes(q: np.ndarray, rate: float, in_parent: bool) -> list[np.ndarray]:
     """Where a rotation changes fast: the frames before, the lags in frames, the rotation vectors of
     the changes, and their ratios to a usual change."""
     found = []
@@ -255,8 +251,7 @@ def _fast_changes(
         peak &= size > max(np.radians(LEAST_DEGREES), UNUSUAL_RATIO * usual)
         at = np.flatnonzero(peak)
         found.append((at, np.full(len(at), lag), change[at], size[at] / usual))
-    begins, lags, changes, ratios = (np.concatenate(each) for each in zip(*found, strict=True))
-    return begins, lags, changes, ratios
+    return [np.concatenate(each) for each in zip(*found, strict=True)]
 
 
 def _between(q: np.ndarray, r: np.ndarray, in_parent: bool) -> np.ndarray:

@@ -189,8 +189,7 @@ def mend(
             damage = step.find(motion, preset.sensitivity, *model)
         motion, damage = _mended(motion, damage, step, model, asked or given is not None)
         found += damage
-    others = [finding for finding in given or [] if finding.kind == "marked"]
-    return motion, found + others
+    return motion, found + [finding for finding in given or [] if finding.kind == "marked"]
 
 
 def _mended(

@@ -82,9 +82,8 @@ class Repaired:
             moved = 100 * self.moved[:, joints][self.touched[:, joints]]
             names = ", ".join(JOINTS[joint] for joint in joints)
             names = "all joints" if len(joints) == len(JOINTS) else names
-            lines.append(
-                f"{names}: {frames}: moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
-            )
+            change = f"moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
+            lines.append(f"{names}: {frames}: {change}")
         if any(finding.kind != "marked" for finding in self.findings):
             lines += _listed("finding", "", by_size(self.findings), 1)
         lines += _listed("proposal", ", not changed", by_size(self.proposed))
@@ -98,9 +97,8 @@ class Repaired:
     def without_first(self, frames: int) -> Repaired:
         """The repair without its first frames; findings are in the frames of the file."""
         rest = slice(frames, None)
-        return replace(
-            self, motion=self.motion.at(rest), touched=self.touched[rest], moved=self.moved[rest]
-        )
+        motion = self.motion.at(rest)
+        return replace(self, motion=motion, touched=self.touched[rest], moved=self.moved[rest])
 
     def listed(self) -> list[Finding]:
         """The findings, the largest first: numbers 1, 2, … wherever they are listed; then the
@@ -206,11 +204,9 @@ def joined(first: Motion, rest: Motion) -> Motion:
     """A motion after the frames of another one of the same rig."""
     if not len(first):
         return rest
-    return replace(
-        rest,
-        rotations=np.concatenate([first.rotations, rest.rotations]),
-        translations=np.concatenate([first.translations, rest.translations]),
-    )
+    rotations = np.concatenate([first.rotations, rest.rotations])
+    translations = np.concatenate([first.translations, rest.translations])
+    return replace(rest, rotations=rotations, translations=translations)
 
 
 Measures = list[tuple[str, float, float]]
@@ -223,10 +219,8 @@ def sentences(repaired: Repaired, command: str = "") -> list[str]:
     kinds = Counter(finding.kind for finding in repaired.findings)
     found = ", ".join(f"{kind} {number}" for kind, number in kinds.most_common())
     changed = repaired.touched.any(axis=1).sum() / repaired.motion.rate
-    said = [
-        f"{count(len(repaired.findings), 'finding')}{f': {found}' if found else ''}",
-        f"{changed:.1f} of {repaired.motion.seconds:.1f} s are changed",
-    ]
+    said = [f"{count(len(repaired.findings), 'finding')}{f': {found}' if found else ''}"]
+    said.append(f"{changed:.1f} of {repaired.motion.seconds:.1f} s are changed")
     for status, number in Counter(finding.status for finding in repaired.proposed).items():
         said.append(f"{number} {NOT_DONE[status]}, since {WHY[status]}")
     if not repaired.known:

@@ -50,10 +50,9 @@ OTHERS_SHARE = 0.25
 KINK_SHARE = 0.4
 """KINK_SHARE: at both ends of an onset the speed changes, in opposite ways, by changes of which the
 outer one is at least this share of the inner one."""
-STRETCHED_SHARE = 0.97
-"""STRETCHED_SHARE: an arm that does not reach a place is longer than this share of its bones."""
 STEADY_METRES = 1e-4
-"""STEADY_METRES: its length changes by at most this from frame to frame (m)."""
+"""STEADY_METRES: the length of an arm that does not reach a place, from shoulder to wrist, changes
+by at most this from frame to frame (m)."""
 AIM_METRES = 1e-3
 """AIM_METRES: the line through its shoulder and wrist misses the place by at most this (m)."""
 BEYOND_METRES = 0.05
@@ -84,7 +83,7 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
         share_still += (steps <= STILL_METRES) / len(curves)
     turning = [curve for curve in curves if curve.is_rotation]
     frozen = [f for curve in turning for f in _frozen(curve, share_still, sensitivity)]
-    frozen += _left_behind(motion, turning, frozen, sensitivity)
+    frozen += _left_behind(motion, turning, sensitivity)
     repeated = list(_repeated(body, sensitivity)) if curves else []
     covered = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
     found = repeated + [f for f in frozen if not covered.issuperset(range(*f.frames))]
@@ -116,9 +115,8 @@ def _frozen(curve: Curve, share_still: np.ndarray, sensitivity: float) -> Iterat
         frames = start + (into <= 1 and start > 0), end
         margin = 0
         elsewhere = np.count_nonzero(still) - (end - start)
-        rare = elsewhere <= ELSEWHERE_SHARE * (end - start)
-        alone = rare and np.median(share_still[start:end]) <= OTHERS_SHARE
-        if curve.name in ARMS and start and alone:
+        alone = start and elsewhere <= ELSEWHERE_SHARE * (end - start)
+        if curve.name in ARMS and alone and np.median(share_still[start:end]) <= OTHERS_SHARE:
             margin = _longest_onset(curve.rate)
             later = np.arange(end + 1, min(end + margin + 1, len(curve.values)))
             away = curve.between(np.full(len(later), end), later)
@@ -137,26 +135,18 @@ def _longest_onset(rate: float) -> int:
     return max(2, round(EASED_SECONDS * rate))
 
 
-def _left_behind(
-    motion: Motion, curves: list[Curve], found: list[Finding], sensitivity: float
-) -> Iterator[Finding]:
-    """The runs of frames in which a stretched arm points at one place of the world that it does not
-    reach, and those beside them in which it does; but for what was found about that shoulder."""
-    joints = rig_of(motion).joints
+def _left_behind(motion: Motion, curves: list[Curve], sensitivity: float) -> Iterator[Finding]:
+    """The runs of frames in which an arm of constant length points at one place of the world that
+    it does not reach, and those beside them in which it does."""
     margin = round(BESIDE_SECONDS * motion.rate)
     for curve in curves:
-        if curve.name not in ARMS or not curve.name.endswith("shoulder"):
+        if curve.name not in ARMS[::2]:
             continue
         column = JOINTS.index(curve.name)
-        arm = motion.positions(list(joints[column : column + 3])) / body_size(motion)
+        arm = motion.positions(rig_of(motion).joints[column : column + 3]) / body_size(motion)
         reach = np.linalg.norm(arm[:, 2] - arm[:, 0], axis=-1)
-        length = np.linalg.norm(np.diff(arm, axis=1), axis=-1).sum(axis=-1)
-        steady = np.abs(np.diff(reach)) <= STEADY_METRES
-        steady &= reach[1:] > STRETCHED_SHARE * length[1:]
-        taken = [f for f in found if f.joint == curve.name]
-        for start, end in runs(steady).tolist():
-            known = any(f.frames[0] <= end and start <= f.frames[1] for f in taken)
-            if known or end - start < _least_frames(motion.rate):
+        for start, end in runs(np.abs(np.diff(reach)) <= STEADY_METRES).tolist():
+            if end - start < _least_frames(motion.rate):
                 continue
             origin = max(start - margin, 0)
             near = arm[origin : end + margin]
@@ -174,15 +164,14 @@ def _aims(arm: np.ndarray, steady: slice) -> tuple[np.ndarray, float]:
     """The frames in which an arm (frames, 3 joints, 3) points at the place at which it points in
     the frames `steady`, and the evidence that there is one; 0 if there is none."""
     way = arm[:, 2] - arm[:, 0]
-    way = way / np.linalg.norm(way, axis=-1, keepdims=True)
+    way /= np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), STILL_METRES)
     # The place p has the least distances from the lines of these frames: Σ (I - w wᵀ) (p - s) = 0.
     across = np.eye(3) - way[:, :, None] * way[:, None]
     sums = np.einsum("fij,fj->i", across[steady], arm[steady, 0])
     place = np.linalg.lstsq(across[steady].sum(axis=0), sums)[0]
     off = np.linalg.norm(np.einsum("fij,fj->fi", across, place - arm[:, 0]), axis=-1)
     beyond = np.ptp(np.linalg.norm(place - arm[steady, 2], axis=-1))
-    aims = off <= AIM_METRES
-    return aims, float(beyond / BEYOND_METRES) * aims[steady].all()
+    return off <= AIM_METRES, float(beyond / BEYOND_METRES) * (off[steady].max() <= AIM_METRES)
 
 
 def _with_onsets(curve: Curve, start: int, end: int, first: int) -> tuple[int, int]:
