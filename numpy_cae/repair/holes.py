@@ -291,7 +291,7 @@ def best_in_hole(
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
     names = np.unique(pattern[pattern != ""]).tolist()
-    seconds = {kind: np.count_nonzero((pattern == kind).any(axis=1)) / rate for kind in names}
+    seconds = {kind: float((pattern == kind).any(axis=1).sum() / rate) for kind in names}
     on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
     by_curve = _weights_of("curves", seconds, errors_in(clip, trials, on_curve))
     curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
