@@ -7,7 +7,7 @@ it is written back in the same form. A list of names, one a line, is a table, to
 import codecs
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,7 +40,7 @@ class Roster:
     encoding: str
     delimiter: str
 
-    def write(self, path: Path, rows: Sequence[Row]) -> None:
+    def write(self, path: Path, rows: Sequence[Mapping]) -> None:
         """Write rows, which may have further columns, in the form of the file that was read."""
         columns = list(dict.fromkeys([*self.columns, *(name for row in rows for name in row)]))
         with (

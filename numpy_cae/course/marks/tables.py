@@ -1,13 +1,11 @@
 """Tables of a class: marks, a file that Moodle and Canvas import, and which properties failed."""
 
-import csv
 import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from shutil import copyfile
 
-from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
 from numpy_cae.course.marks.roster import CANVAS, POSSIBLE, Roster, read_roster
 from numpy_cae.verify.grading.report import Report
@@ -16,6 +14,8 @@ from numpy_cae.visible import csv_cell
 
 MAXIMUM = "maximum"
 NOTHING = "nothing handed in"
+MARKS = Roster((), {}, (), "utf-8", ",")
+"""MARKS: the form in which tables are written."""
 Row = dict[str, str | int | float]
 
 
@@ -53,8 +53,9 @@ def write_tables(
     if path.exists():
         numbered = (path.with_suffix(f".{n}{path.suffix}") for n in range(1, 10_000))
         copyfile(path, next(free for free in numbered if not free.exists()))
-    _write(path, table)
-    _write(path.with_stem(f"{path.stem}_statistics"), _statistics(list(reports.values())))
+    MARKS.write(path, table)
+    statistics = _statistics(list(reports.values()))
+    MARKS.write(path.with_stem(f"{path.stem}_statistics"), statistics)
     return table
 
 
@@ -149,10 +150,3 @@ def _statistics(reports: Sequence[Mapping[str, Report]]) -> list[dict]:
             row |= {"possible": CATALOGUE[name].points, "property": stated.name}
             rows.append(row | {"failed": failed[stated.name]})
     return sorted(rows, key=lambda row: -row["failed"])
-
-
-def _write(path: Path, rows: Sequence[Row]) -> None:
-    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(dict.fromkeys(name for row in rows for name in row)), "")
-        writer.writeheader()
-        writer.writerows(rows)
