@@ -66,10 +66,13 @@ def test_what_does_not_return_an_operation_is_told_so(tanh, complaint):
 
 def off_by_little(x):
     y, pullback = ops.tanh(x)
-    return (
-        y,
-        lambda dy: pullback(dy) + np.where(np.arange(x.size).reshape(x.shape) == 1, 2e-8, 1e-9),
-    )
+    off = np.where(np.arange(x.size).reshape(x.shape) == 1, 2e-8, 1e-9)
+    return y, lambda dy: pullback(dy) + off
+
+
+def test_an_altered_upstream_gradient_is_told_first_and_no_wrong_adjoint():
+    alters = lambda y: (ops.unpool_even(y)[0], lambda d: (ops.unpool_even(y)[1](d), d.fill(0))[0])  # noqa: E731
+    assert verify.report("unpool_even", alters).failing()[0].stated.name == "purity"
 
 
 def test_numbers_have_the_digits_that_differ_and_the_worst_entry_is_shown():
