@@ -9,8 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
-from numpy_cae.course.exercises.entries import made_by
-from numpy_cae.course.exercises.hints import with_hint
+from numpy_cae.course.exercises.entries import made_by, with_hint
 from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.course.mine import FILE, NotSavedError, run, save, stand_in
 from numpy_cae.verify.grading.report import holds

@@ -154,11 +154,6 @@ def leading_axes(shapes: Mapping[str, str]) -> list[str]:
     return [*names, *"22"[: 5 - len(names) if used else 1]]
 
 
-def _elementwise(*names: str) -> Callable[[Case], dict[str, object]]:
-    """Arguments of one shape, which has one to four axes."""
-    return arguments_of(dict.fromkeys(names, "..."), {})
-
-
 def with_each_array(sizes: Sizes, arguments: Callable[[Case], dict[str, object]]) -> Sizes:
     """The sizes, and which array is of a class of values, if there are several."""
     arrays = [name for name, a in arguments(simplest_case(sizes)).items() if np.ndim(a)]
@@ -172,7 +167,7 @@ def simplest_case(sizes: Sizes) -> Case:
 def _arctanh(case: Case) -> dict[str, object]:
     rng = case.rng()
     bound = float(rng.choice(BOUNDS))
-    y = _elementwise("y")(case)["y"]
+    y = arguments_of({"y": "..."}, {})(case)["y"]
     if case.get("values") == "bound":
         bound = float(rng.choice([0.1, *BOUNDS, 0.99999, 1 - 1e-7]))
         near = [bound, np.nextafter(bound, 0), np.nextafter(bound, 1), bound + 1e-9, bound - 1e-9]
@@ -195,15 +190,6 @@ def _gru(name: str, case: Case) -> dict[str, object]:
         arrays[state] = VALUES[case.get("state")](rng, shapes[state], 1.0)
     if max(case.get("frames", 0), case["hidden"]) > CHAOTIC:
         arrays["u"] = 0.1 * arrays["u"]
-    return arrays
-
-
-def _mean_squared_error(case: Case) -> dict[str, object]:
-    arrays = _elementwise("x_hat", "x")(case)
-    if case.get("values") == "zeros":  # of the difference
-        arrays["x_hat"] = arrays["x"].copy()
-    if case.get("values") == "near ties":
-        arrays["x_hat"] = arrays["x"] * (1 + 1e-6)
     return arrays
 
 
@@ -241,7 +227,6 @@ _DRAWN = {
     "arctanh": _arctanh,
     "gru_step": partial(_gru, "gru_step"),
     "gru": partial(_gru, "gru"),
-    "mean_squared_error": _mean_squared_error,
     "sliced_wasserstein": _sliced_wasserstein,
 }
 """How the arguments of an operation are drawn, if not by their shapes alone."""
