@@ -115,7 +115,7 @@ def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
         _finding(curve, segment, kind)
         for curve in curves_of(motion)
         for segment, kind in _classified(curve, sensitivity)
-        if kind != "spike"
+        if kind != "spike" and (kind != "interpolated" or _all_jump(motion, curve, segment))
     ]
 
 
@@ -187,6 +187,18 @@ def _is_between(curve: Curve, segment: Segment, jumps: list[int]) -> bool:
     return few < first and end < len(curve.values) - few and around.isdisjoint(jumps)
 
 
+def _all_jump(motion: Motion, curve: Curve, segment: Segment) -> bool:
+    """Whether all joints that a rotation carries jump with it at one end of a segment or the other.
+    If the knee jumps and the ankle does not, the leg is turned about the line from the hip to the
+    ankle, and to interpolate the hip would lose where the ankle is."""
+    jumps = []
+    for frame in (segment.first, segment.end):
+        places = _carried(motion.at(slice(frame - 2, frame + 2)), curve) / body_size(motion)
+        steps = np.diff(places, axis=0)
+        jumps.append(np.linalg.norm(steps[1] - (steps[0] + steps[2]) / 2, axis=-1))
+    return bool(np.all(np.maximum(*jumps) > least_jump(curve.rate) / 2))
+
+
 def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
     """The finding of a segment that is one of `PREFERRED`."""
     first, end = segment.first, segment.end
@@ -200,7 +212,10 @@ def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
     moves = "turns" if curve.is_rotation else "moves"
     back = "" if to_the_end else " and back"
     why = f"{moves} by {amount} in a frame{back}"
-    return Finding(curve.name, (first, end - 1), kind, why, 0.0, confidence(segment.score))
+    # Which half of a limb's motion is turned is not certain: either may be a pose of people.
+    status = "proposed" if to_the_end and curve.is_rotation and not curve.is_root else "repaired"
+    frames = (first, end - 1)
+    return Finding(curve.name, frames, kind, why, 0.0, confidence(segment.score), status)
 
 
 def _size(curve: Curve, frame: int) -> float:
@@ -266,7 +281,11 @@ def _undone(curve: Curve, frames: slice) -> np.ndarray:
     if end < len(x):
         corrections.append(2 * x[end] - x[min(end + 1, len(x) - 1)] - inside[-1])
     share = np.linspace(0.0, 1.0, len(inside))[:, None]
-    return inside + (1 - share) * corrections[0] + share * corrections[-1]
+    correction = (1 - share) * corrections[0] + share * corrections[-1]
+    step = np.abs(corrections[0])
+    if curve.is_root and len(corrections) == 1 and step[1] < step.max() / 2:
+        correction[:, 1] = 0.0  # the path goes on elsewhere, on the same floor
+    return inside + correction
 
 
 def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:

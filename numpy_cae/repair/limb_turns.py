@@ -58,6 +58,9 @@ MOST_TURNS = 2000
 hour of noise has a hundred times as many."""
 MOST_ASKED = 40
 """MOST_ASKED: the manifold is asked so often about a limb at most."""
+SURE_LEVEL = 0.75
+"""SURE_LEVEL: evidence below this share of its thresholds is certain: dances and kicks reach 0.8
+(docs/lab_book/evidence.md)."""
 MOST_LEVEL = 1.3
 """MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
 is not, the manifold is not asked."""
@@ -153,10 +156,9 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
             degrees = np.degrees(np.linalg.norm(turn.vector))
             why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
             frames = (turn.first * step + 1, turn.end * step - 1)
-            status = "repaired" if level < 2 * sensitivity else "proposed"
-            found.append(
-                Finding(name, frames, "limb turned", why, 0.0, confidence(1 / level), status)
-            )
+            status = "repaired" if level < 2 * sensitivity * SURE_LEVEL else "proposed"
+            sure = confidence(SURE_LEVEL / level)
+            found.append(Finding(name, frames, "limb turned", why, 0.0, sure, status))
     return found
 
 

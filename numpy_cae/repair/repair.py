@@ -34,7 +34,7 @@ from numpy_cae.repair.jumps import find_jitter, find_jumps, jumping_steps, mend_
 from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
-from numpy_cae.repair.still import find_still, find_t_pose
+from numpy_cae.repair.still import find_still, find_t_pose, is_held
 
 NEAR_SECONDS = 0.25
 """NEAR_SECONDS: jumps and sliding feet are looked at within this time of the damage (s)."""
@@ -181,7 +181,8 @@ def mend(
     for step in STEPS:
         asked = step.option and getattr(preset, step.option)
         model = (manifold,) if step.asks else ()
-        if (step.asks and manifold is None) or (step.option and not asked and given is None):
+        skipped = step.option or is_held(found, len(motion))
+        if (step.asks and manifold is None) or (skipped and not asked and given is None):
             continue
         if given is not None and not asked:
             damage = [finding for finding in given if finding.kind in step.kinds]

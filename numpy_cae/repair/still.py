@@ -12,6 +12,7 @@ the arm is stretched and points at it, which arms of people do not do for long.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -59,6 +60,11 @@ BEYOND_METRES = 0.05
 """BEYOND_METRES: the distance of its wrist from the place changes by more than this (m)."""
 BESIDE_SECONDS = 3.0
 """BESIDE_SECONDS: for at most this time (s) before and after it did reach the place."""
+HELD_SHARE = 0.4
+"""HELD_SHARE: where more than this share of the other frames within `HELD_SECONDS` repeat a pose,
+poses may be held on purpose, as in animation on twos, and repeated frames are proposed."""
+HELD_SECONDS = 1.0
+"""HELD_SECONDS: other frames that repeat a pose are counted within this time (s)."""
 UNUSED_SHARE = 0.75
 """UNUSED_SHARE: a rotation that stands still for more than this share of the file is not frozen,
 but not used."""
@@ -84,7 +90,7 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     turning = [curve for curve in curves if curve.is_rotation]
     frozen = [f for curve in turning for f in _frozen(curve, share_still, sensitivity)]
     frozen += _left_behind(motion, turning, sensitivity)
-    repeated = list(_repeated(body, sensitivity)) if curves else []
+    repeated = list(_repeated(body, motion.rate, sensitivity)) if curves else []
     covered = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
     found = repeated + [f for f in frozen if not covered.issuperset(range(*f.frames))]
     # A body that stands still from the first frame on begins so: nothing says what it did before.
@@ -92,13 +98,26 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     return [finding for finding in found if finding.frames[1] > start]
 
 
-def _repeated(steps: np.ndarray, sensitivity: float) -> Iterator[Finding]:
+def _repeated(steps: np.ndarray, rate: float, sensitivity: float) -> Iterator[Finding]:
     """The runs of frames that repeat the pose of the frame before them."""
+    still = steps <= STILL_METRES
+    margin = round(HELD_SECONDS * rate)
     for start, end, into, score in _still_runs(steps, 1, 0.0):
         if score * 2 * sensitivity > 1:
-            # A jump into the run shows that its first pose is wrong too.
-            first = start + (into <= 1)
-            yield _finding(BODY, (first, end), "repeated", end + 1 - start, steps[end], score)
+            others = np.r_[still[max(start - margin, 0) : start], still[end : end + margin]]
+            held = others.mean() > HELD_SHARE
+            # A jump into the run shows that its first pose is wrong too, unless all are held.
+            first = start + (held or into <= 1)
+            found = _finding(BODY, (first, end), "repeated", end + 1 - start, steps[end], score)
+            why = f"{found.evidence}, as the frames around do: on purpose?"
+            yield replace(found, status="proposed", evidence=why) if held else found
+
+
+def is_held(found: list[Finding], frames: int) -> bool:
+    """Whether of the frames of a motion more than `HELD_SHARE` are proposed to be repeated: its
+    poses are held, and from one to the next everything jumps."""
+    held = [f for f in found if (f.kind, f.status) == ("repeated", "proposed")]
+    return sum(f.frames[1] + 1 - f.frames[0] for f in held) > HELD_SHARE * frames
 
 
 def _frozen(curve: Curve, share_still: np.ndarray, sensitivity: float) -> Iterator[Finding]:
