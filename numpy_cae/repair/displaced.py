@@ -8,8 +8,10 @@ back by Q⁻¹, and a root that is moved by D jumps by D and back by -D:
 Such a displacement is undone: the values next to each jump are moved to where the motion outside
 continues, and those between the jumps by a displacement interpolated between these two. A
 rotation by half a turn that does not come back is undone up to the end of the file, or to its start
-if that has a few frames only. Where a root does not come back, the shorter part of the file is
-moved to where the longer one leads: the frames before the jump or those from it on.
+if that has a few frames only; that of a limb is proposed only, since either half may be right.
+Where a root does not come back, the shorter part of the file is moved to where the longer one
+leads, the frames before the jump or those from it on, at the height where it is unless most of the
+jump is upwards or downwards.
 
 If two opposite jumps do not undo each other, the rotations between them are those of another
 motion: they are interpolated (`holes`), unless the frames outside may be those of another motion.
