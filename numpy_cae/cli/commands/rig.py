@@ -40,7 +40,9 @@ def run(args: argparse.Namespace) -> int:
     if len(motion.rig.found) < len(JOINTS):
         # If only a few names are those of a known rig, they may mean other joints here.
         suggested = suggest_mapping(motion.skeleton)
-        mapping = suggested | names if len(names) >= TRUSTED else names | suggested
+        first, second = (names, suggested) if len(names) >= TRUSTED else (suggested, names)
+        others = {ours: name for ours, name in second.items() if name not in first.values()}
+        mapping = others | first
         motion = load_motion(args.file, **reading | {"mapping": mapping})
     rig = motion.rig
     own = {joint: at for joint, at in rig.found.items() if at not in rig.added}

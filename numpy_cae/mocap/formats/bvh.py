@@ -305,7 +305,7 @@ def _statements(file: TextFile, skipped: list[int]) -> Iterator[tuple[int, str, 
             if not started and statement.upper() != "HIERARCHY":
                 problem = "expected HIERARCHY, as every BVH file begins, found"
                 raise file.error(line, f"{problem} {quoted(statement)}")
-            if re.match(r"END\s*SITE\b", statement, re.IGNORECASE):
+            if keyword.upper() in ("END", "ENDSITE"):  # some programs name it: End left_hand
                 yield line, "End Site", ""
             elif keyword.upper() not in _KEYWORDS and _SKIPPABLE.fullmatch(text.strip()):
                 skipped.append(line)

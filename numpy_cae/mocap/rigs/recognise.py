@@ -58,7 +58,7 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     by_names = rigs.with_rig(motion, rigs.rig_by_names(motion.skeleton, mapping))
     names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.found.items()}
     if len(names) < len(JOINTS):
-        by_names = with_added_joints(by_names)
+        by_names = with_added_joints(by_names, estimate=mapping is not None)
     is_complete = len(by_names.rig.found) == len(JOINTS)
     if is_complete and not order_problem(by_names.skeleton, by_names.rig):
         problem = "" if mapping else _doubt(by_names)  # an animal's rig may have a person's names

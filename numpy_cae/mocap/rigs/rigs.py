@@ -143,7 +143,8 @@ def rig_by_names(skeleton: Skeleton, mapping: Mappings = None) -> Rig:
     }
     # The rig with the fewest missing joints; if several are equal, the one with the most found.
     best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(present_in[rig]), -len(present_in[rig])))
-    found = {joint: at for joint, at in present_in[best].items() if joint not in mapping} | present
+    free = {j: at for j, at in present_in[best].items() if at not in present.values()}
+    found = {joint: at for joint, at in free.items() if joint not in mapping} | present
     add_trunk(skeleton, found, set(mapping))
     return Rig(found, best, mapping)
 
