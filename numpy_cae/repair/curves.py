@@ -6,8 +6,8 @@ rotations are multiplied by `lever`, so that all of them are in metres at the en
 the joint moves. The metres are those of a body of usual size (`body_size`): so a threshold holds
 for characters of any size, and while the unit of the file is in doubt.
 
-A segment is a run of frames of a curve that may be damaged: it stands still (`still`), or lies
-between two jumps (`displaced`), or leaves the cubic through the frames around it (`spikes`).
+A segment is a run of frames of a curve that may be damaged: it lies between two jumps
+(`displaced`), or leaves the cubic through the frames around it (`spikes`).
 """
 
 from collections.abc import Iterator
@@ -39,14 +39,6 @@ the upper one at low rates."""
 JUMP_ACCELERATION = 72.0
 """JUMP_ACCELERATION: in between, a jump is longer than this acceleration (m/s²) moves a joint in
 the time of a frame."""
-JUMP_TO_NEIGHBOURS_RATIO = 3.0
-"""JUMP_TO_NEIGHBOURS_RATIO: a step is a jump only if it is longer than this times the steps before
-and after it."""
-JUMP_TO_USUAL_RATIO = 8.0
-"""JUMP_TO_USUAL_RATIO: a step is a jump only if it is longer than this times the median, over a
-second, of the change from step to step."""
-FASTEST_DEGREES_A_SECOND = 1500.0
-"""FASTEST_DEGREES_A_SECOND: the whole body does not turn faster than this (° a second)."""
 
 
 @dataclass(frozen=True)
@@ -226,22 +218,3 @@ class Segment(NamedTuple):
 def least_jump(rate: float) -> float:
     """The length of the shortest jump at a rate, metres."""
     return float(np.clip(JUMP_ACCELERATION / rate**2, *JUMP_METRES))
-
-
-def jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:
-    """The frames to which a curve jumps from the frame before, each with its score."""
-    steps = curve.steps()
-    shortest = least_jump(curve.rate)
-    large = np.flatnonzero(steps > shortest / (2 * sensitivity))
-    if not len(large):
-        return []
-    padded = np.pad(steps, 1)
-    neighbours = np.maximum(padded[large], padded[large + 2])
-    usual = local_median(np.abs(np.diff(steps, append=steps[-1:])), curve.rate)[large]
-    least = np.maximum(JUMP_TO_NEIGHBOURS_RATIO * neighbours, JUMP_TO_USUAL_RATIO * usual)
-    score = steps[large] / np.maximum(shortest, least)
-    if curve.is_root and curve.is_rotation:
-        fastest = np.radians(FASTEST_DEGREES_A_SECOND) * curve.lever
-        score = np.maximum(score, steps[large] * curve.rate / fastest)
-    likely = score > 1 / (2 * sensitivity)
-    return list(zip((large[likely] + 1).tolist(), score[likely].tolist(), strict=True))

@@ -200,24 +200,23 @@ def usable(motion: Motion, finding: Finding) -> Finding:
     """A finding of a user with our name of its joint; ValueError if it cannot be mended in the
     motion."""
     joint = finding.joint
-    kind = finding.kind
     last = len(motion) - 1
     names = joint_names(motion)
     if joint not in JOINTS and joint in motion.skeleton.names:
         joint = names[motion.skeleton.index(joint)]
     elif joint not in (BODY, *names):
         raise ValueError(f"{finding}: the rig has no joint {joint!r}")
-    allowed = JOINTS_OF_KIND.get(kind)
+    allowed = JOINTS_OF_KIND.get(finding.kind)
     if allowed and joint not in allowed:
         expected = ", ".join(allowed) if len(allowed) < len(JOINTS) else "one of the twenty joints"
-        raise ValueError(f"{finding}: of kind {kind!r} the joint is {expected}")
-    if joint == BODY and kind in OF_ONE_JOINT:
-        raise ValueError(f"{finding}: of kind {kind!r} name the joint")
+        raise ValueError(f"{finding}: of kind {finding.kind!r} the joint is {expected}")
+    if joint == BODY and finding.kind in OF_ONE_JOINT:
+        raise ValueError(f"{finding}: of kind {finding.kind!r} name the joint")
     if finding.frames[1] > last:
         raise ValueError(f"{finding}: the motion has frames 0 to {last}")
-    if kind == "T-pose" and (finding.frames[0] or finding.frames[1] == last):
+    if finding.kind == "T-pose" and (finding.frames[0] or finding.frames[1] == last):
         raise ValueError(f"{finding}: a T-pose is at the start and ends before the last frame")
-    if kind in OF_ONE_JOINT and finding.frames == (0, last):
+    if finding.kind in OF_ONE_JOINT and finding.frames == (0, last):
         raise ValueError(f"{finding}: no frame is left that says what is right")
     return replace(finding, joint=joint)
 

@@ -25,7 +25,7 @@ from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion, require_finite
 from numpy_cae.repair.curves import slides_of
-from numpy_cae.repair.displaced import find_displaced, find_spikes, mend_displaced
+from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import Finding, marked, shifted, usable
 from numpy_cae.repair.holes import UNKNOWN_METRES, complete_holes, filled_by
@@ -34,6 +34,7 @@ from numpy_cae.repair.jumps import find_jitter, find_jumps, jumping_steps, mend_
 from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
+from numpy_cae.repair.spikes import find_spikes
 from numpy_cae.repair.still import find_still, find_t_pose, is_held
 
 NEAR_SECONDS = 0.25

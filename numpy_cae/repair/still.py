@@ -16,12 +16,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import STILL_METRES, Curve, body_size, curves_of
+from numpy_cae.repair.curves import STILL_METRES, Curve, curves_of, usual_body
 from numpy_cae.repair.finding import BODY, Finding, confidence
 
 CAUGHT_UP_RATIO = 2.5
@@ -108,7 +107,7 @@ def _repeated(steps: np.ndarray, rate: float, sensitivity: float) -> Iterator[Fi
             held = others.mean() > HELD_SHARE
             # A jump into the run shows that its first pose is wrong too, unless all are held.
             first = start + (held or into <= 1)
-            found = _finding(BODY, (first, end), "repeated", end + 1 - start, steps[end], score)
+            found = _finding(BODY, (first, end), end + 1 - start, steps[end], score)
             why = f"{found.evidence}, as the frames around do: on purpose?"
             yield replace(found, status="proposed", evidence=why) if held else found
 
@@ -143,7 +142,7 @@ def _frozen(curve: Curve, share_still: np.ndarray, sensitivity: float) -> Iterat
             score = max(score, size / EASED_METRES)
             frames = _with_onsets(curve, start, end, frames[0])
         if score * 2 * sensitivity > 1 and not _recurs(curve, start - margin, end + margin):
-            yield _finding(curve.name, frames, "frozen", end + 1 - start, size, score)
+            yield _finding(curve.name, frames, end + 1 - start, size, score)
 
 
 def _least_frames(rate: float) -> int:
@@ -158,11 +157,12 @@ def _left_behind(motion: Motion, curves: list[Curve], sensitivity: float) -> Ite
     """The runs of frames in which an arm of constant length points at one place of the world that
     it does not reach, and those beside them in which it does."""
     margin = round(BESIDE_SECONDS * motion.rate)
+    body = usual_body(motion)
     for curve in curves:
         if curve.name not in ARMS[::2]:
             continue
         column = JOINTS.index(curve.name)
-        arm = motion.positions(rig_of(motion).joints[column : column + 3]) / body_size(motion)
+        arm = body[:, column : column + 3]
         reach = np.linalg.norm(arm[:, 2] - arm[:, 0], axis=-1)
         for start, end in runs(np.abs(np.diff(reach)) <= STEADY_METRES).tolist():
             if end - start < _least_frames(motion.rate):
@@ -218,9 +218,8 @@ def _recurs(curve: Curve, start: int, end: int) -> bool:
     return bool(same[: max(start, 0)].any() or same[end + 1 :].any())
 
 
-def _finding(
-    joint: str, frames: tuple[int, int], kind: str, count: int, size: float, score: float
-) -> Finding:
+def _finding(joint: str, frames: tuple[int, int], count: int, size: float, score: float) -> Finding:
+    kind = "repeated" if joint == BODY else "frozen"
     why = f"stands still for {count} frames, then moves by {100 * size:.1f} cm"
     return Finding(joint, frames, kind, why, 0.0, confidence(score))
 
