@@ -28,8 +28,11 @@ MOST = 0.6
 """MOST: a circumstance is named if at least so large a part of its cases fail, and no others."""
 
 
-def likely_mistake(stated: Property, implementation: Callable) -> str:
-    """The sentence on the mistake because of which a property does not hold, or ""."""
+def likely_mistake(stated: Property, implementation: Callable, of_kind: str = "") -> str:
+    """The sentence on the mistake because of which a property does not hold, or "".
+
+    `of_kind` is what the kind of a failure tells: it is said where no known mistake does the same.
+    """
     if stated.diagnose is not None:
         return stated.diagnose(stated, implementation)
     operation = stated.definition
@@ -44,6 +47,7 @@ def likely_mistake(stated: Property, implementation: Callable) -> str:
     return (
         _known_mistake(stated, operation, implementation, cases, results)
         or misplaced_gradient(stated, operation, implementation)
+        or of_kind
         or _by_how_much(cases, results, right)
         or _where(stated, cases, fails, right)
     )

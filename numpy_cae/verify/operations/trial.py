@@ -75,9 +75,9 @@ def try_property(
     if isinstance(error, RecursionError | MemoryError):
         problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
     is_like_bugs = isinstance(error, AssertionError | ValueError | IndexError)
-    mistake = likely_mistake(tried, implementation) if is_like_bugs else ""
-    mistake = mistake or OF_KIND.get(kind, "")
-    mistake = mistake or C_ORDER * (tried.name == "strides" and not crashed)
+    of_kind = OF_KIND.get(kind, "")
+    mistake = likely_mistake(tried, implementation, of_kind) if is_like_bugs else of_kind
+    mistake = mistake or of_kind or C_ORDER * (tried.name == "strides" and not crashed)
     example = "\n".join(_described(tried, case, last, error))
     why = {"problem": problem, "counterexample": example, "mistake": mistake, "kind": kind}
     return replace(failed, **why, crashed=crashed)
