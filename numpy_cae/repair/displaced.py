@@ -122,15 +122,11 @@ def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str
         segments = [Segment(first, stop, min(score, other)) for stop, other in later]
         if not later or curve.spike_kind == "root elsewhere":
             segments.append(Segment(first, len(curve.values), score))
-        by_kind: dict[str, Segment] = {}
-        for segment in segments:
-            for kind in _kinds(curve, segment, frames):
-                by_kind.setdefault(kind, segment)
-        best = next((kind for kind in PREFERRED if kind in by_kind), None)
-        if best is not None:
-            chosen = by_kind[best]
-            end = first if chosen.end == len(curve.values) else chosen.end
-            yield chosen, best
+        ways = [(kind, segment) for segment in segments for kind in _kinds(curve, segment, frames)]
+        if ways:
+            kind, segment = min(ways, key=lambda way: PREFERRED.index(way[0]))
+            end = first if segment.end == len(curve.values) else segment.end
+            yield segment, kind
 
 
 def _jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]:

@@ -70,8 +70,7 @@ class Holes:
     """
 
     def __init__(self, body: Body, in_file: np.ndarray, start: Motion | None = None):
-        self.motion = body.motion
-        self.mean_lengths = body.mean_lengths
+        self.body = body
         self.in_file = in_file
         self.mask = at_thirty(body.motion, in_file)
         there = np.asarray(in_file.any(axis=1))
@@ -85,7 +84,7 @@ class Holes:
     def positions_of(self, features: np.ndarray) -> np.ndarray:
         """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres."""
         on_mean_bones = features_to_positions(features, self.root)
-        return change_lengths(on_mean_bones, self.mean_lengths, self.lengths)
+        return change_lengths(on_mean_bones, self.body.mean_lengths, self.lengths)
 
     def typical_residual(self, manifold: MotionManifold) -> float:
         """The median distance of a joint outside the holes from its projection, metres."""
@@ -99,7 +98,7 @@ class Holes:
     def filled(self, features: np.ndarray) -> Motion:
         """The motion with the joints of the holes, and nothing else, moved to those of features
         (F, 63) on the mean skeleton."""
-        motion = self.motion
+        motion = self.body.motion
         if not self.in_file.any():
             return motion
         correction = self.positions_of(features) - self.positions_of(self.features)

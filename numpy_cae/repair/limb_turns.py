@@ -20,6 +20,7 @@ All is computed at about thirty frames a second.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -148,7 +149,7 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
     found = []
     for name in TURNED_JOINTS:
         taken: list[Turn] = []
-        for turns in _alternatives(sparse, name):
+        for turns in islice(_alternatives(sparse, name), MOST_ASKED):
             turn, level = _best(sparse, manifold, name, turns)
             if level >= MOST_LEVEL or any(turn.overlap(other) > 0 for other in taken):
                 continue
@@ -207,14 +208,12 @@ def _alternatives(motion: Motion, name: str) -> Iterator[list[Turn]]:
     first."""
     q = motion.rotations[:, rig_of(motion).joints[JOINTS.index(name)]]
     turns = sorted(_turns(q, motion.rate), key=lambda turn: -turn.size)[:MOST_TURNS]
-    asked = 0
-    while turns and asked < MOST_ASKED:
+    while turns:
         best = turns[0]
         group = [turn for turn in turns if turn.overlap(best) > SAME_SHARE][:MOST_ALTERNATIVES]
         group = [turn for turn in group if _level_in_file(motion, name, turn) < MOST_LEVEL]
         turns = [turn for turn in turns if turn.overlap(best) < SAME_SHARE / 2]
         if group:
-            asked += 1
             yield group
 
 
