@@ -109,10 +109,6 @@ def _write(results: dict[str, Result], folder: Path) -> None:
     print(f"{folder / 'report.md'}: {confirmed} of {len(claims)} claims confirmed")
 
 
-if __name__ == "__main__":
-    sys.exit(main())
-
-
 LISTED = 5
 """LISTED: at most so many patterns of test takes are written."""
 
@@ -138,3 +134,7 @@ def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:
         f"Python {platform.python_version()}"
     )
     return {name: value for name, value in given.items() if value}
+
+
+if __name__ == "__main__":
+    sys.exit(main())
