@@ -43,8 +43,8 @@ this time (s)."""
 EASED_METRES = 0.04
 """EASED_METRES: in that time after it stood still it moves by more than this (m)."""
 ELSEWHERE_SHARE = 0.5
-"""ELSEWHERE_SHARE: a rotation that is frozen without a jump stands still elsewhere for at most this
-share of the frames in which it is frozen."""
+"""ELSEWHERE_SHARE: where a rotation is frozen without a jump, arms stand still elsewhere for at
+most this share of its frames: in an animation by keys, arms are held again and again."""
 OTHERS_SHARE = 0.25
 """OTHERS_SHARE: meanwhile at most this share of the curves stands still, in the median."""
 KINK_SHARE = 0.4
@@ -81,13 +81,14 @@ def find_still(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     """
     curves = [curve for curve in curves_of(motion) if curve.spike_kind != "length"]
     body = np.zeros(max(len(motion) - 1, 0))
-    share_still = body.copy()
+    still = np.zeros((2, *body.shape))  # the share of the curves, and whether one of an arm
     for curve in curves:
         steps = curve.steps()
         body += steps / len(curves)
-        share_still += (steps <= STILL_METRES) / len(curves)
+        still[0] += (steps <= STILL_METRES) / len(curves)
+        still[1] += (steps <= STILL_METRES) & (curve.is_rotation and curve.name in ARMS)
     turning = [curve for curve in curves if curve.is_rotation]
-    frozen = [f for curve in turning for f in _frozen(curve, share_still, sensitivity)]
+    frozen = [f for c in turning for f in _frozen(c, still, sensitivity)]
     frozen += _left_behind(motion, turning, sensitivity)
     repeated = list(_repeated(body, motion.rate, sensitivity)) if curves else []
     covered = {frame for f in repeated for frame in range(f.frames[0], f.frames[1] + 1)}
@@ -119,22 +120,21 @@ def is_held(found: list[Finding], frames: int) -> bool:
     return sum(f.frames[1] + 1 - f.frames[0] for f in held) > HELD_SHARE * frames
 
 
-def _frozen(curve: Curve, share_still: np.ndarray, sensitivity: float) -> Iterator[Finding]:
+def _frozen(curve: Curve, still: np.ndarray, sensitivity: float) -> Iterator[Finding]:
     """The runs of frames in which a rotation stands still and then jumps; or, in an arm, in which
-    its values repeat exactly, as they hardly do elsewhere, while other curves move."""
+    its values repeat exactly while other curves move, if those of arms hardly do so elsewhere."""
     steps = curve.steps()
-    still = steps <= STILL_METRES
     least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_METRES_A_SECOND / curve.rate)
     for start, end, into, score in _still_runs(steps, _least_frames(curve.rate), least_metres):
-        score *= np.mean(still) < UNUSED_SHARE
+        score *= np.mean(steps <= STILL_METRES) < UNUSED_SHARE
         size = steps[end]
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
         frames = start + (into <= 1 and start > 0), end
         margin = 0
-        elsewhere = np.count_nonzero(still) - (end - start)
+        elsewhere = np.count_nonzero(still[1]) - np.count_nonzero(still[1, start:end])
         alone = start and elsewhere <= ELSEWHERE_SHARE * (end - start)
-        if curve.name in ARMS and alone and np.median(share_still[start:end]) <= OTHERS_SHARE:
+        if curve.name in ARMS and alone and np.median(still[0, start:end]) <= OTHERS_SHARE:
             margin = _longest_onset(curve.rate)
             later = np.arange(end + 1, min(end + margin + 1, len(curve.values)))
             away = curve.between(np.full(len(later), end), later)
