@@ -60,8 +60,10 @@ hour of noise has a hundred times as many."""
 MOST_ASKED = 40
 """MOST_ASKED: the manifold is asked so often about a limb at most."""
 SURE_LEVEL = 0.8
-"""SURE_LEVEL: evidence below this share of its thresholds is certain: dances and kicks reach 0.81
-(docs/lab_book/evidence.md)."""
+"""SURE_LEVEL: evidence below this share of its thresholds is certain, or below its thresholds if
+the turn begins and ends quickly: the legs of dances and kicks reach 0.81, and turn for longer."""
+QUICK_SECONDS = 0.1
+"""QUICK_SECONDS: a turn begins, or ends, quickly if within this time (s)."""
 MOST_LEVEL = 1.3
 """MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
 is not, the manifold is not asked."""
@@ -157,8 +159,11 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
             degrees = np.degrees(np.linalg.norm(turn.vector))
             why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
             frames = (turn.first * step + 1, turn.end * step - 1)
-            status = "repaired" if level < 2 * sensitivity * SURE_LEVEL else "proposed"
-            sure = confidence(SURE_LEVEL / level)
+            longer = max(turn.risen - turn.first, turn.end - turn.falls)
+            if longer > QUICK_SECONDS * sparse.rate:
+                level /= SURE_LEVEL
+            status = "repaired" if level < 2 * sensitivity else "proposed"
+            sure = confidence(1 / level)
             found.append(Finding(name, frames, "limb turned", why, 0.0, sure, status))
     return found
 
