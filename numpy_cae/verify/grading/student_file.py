@@ -18,7 +18,8 @@ MEMORY_LIMIT = 2048
 """MEMORY_LIMIT: each process has this memory (MB) by default."""
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 COPIED = "the cell of {} is there more than once: the last one counts"
-MISSING = f"no function has an operation's name: {', '.join(operations.CATALOGUE)}"
+MISSING = "no function has an operation's name (exercises of a lesson need --lesson NN): "
+MISSING += ", ".join(operations.CATALOGUE)
 
 
 @dataclass

@@ -272,7 +272,7 @@ def _independence(operation: Operation, implementation: Callable, case: Case) ->
     alone = call(case, given)
     right = alone.kept()
     first = call(case, copies(arguments, layout))
-    second = call(another, copies(others))
+    second = call(another, copies(others, layout))
     gradients = first.gradients()
     for _ in range(0 if case.seed % 4 else FURTHER_CALLS):
         call(another, copies(others)).gradients(second.dy)
