@@ -13,20 +13,15 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion import filters
 from numpy_cae.motion.contacts import FEET
-from numpy_cae.motion.filters import (
-    LEAST_FRAMES,
-    filter_motion,
-    median_of,
-    smooth_curve,
-    strongly_filtered,
-)
 from numpy_cae.motion.joints import JOINTS, joint_mask
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import slerp
 from numpy_cae.repair.curves import at_about_thirty, body_size, curves_of, off_cubic
-from numpy_cae.repair.finding import BODY, Finding
+from numpy_cae.repair.finding import BODY, Finding, confidence
+from numpy_cae.repair.presets import shaking
 
 OFF_MEDIAN_METRES = 0.08
 """OFF_MEDIAN_METRES: a step jumps if it differs from the median of seven steps by more than this
@@ -49,6 +44,9 @@ BLENDED_SECONDS = 0.25
 AROUND_SECONDS = 1.0
 """AROUND_SECONDS: the strong filter is computed from so long before a jump to so long after it
 (s)."""
+SHAKING = 0.1
+"""SHAKING: a motion shakes if the acceleration of its joints changes by more than this from frame
+to frame, in the median (m/s²)."""
 ROUGH_SHARE = 0.2
 """ROUGH_SHARE: a rotation on the way to a joint that jumps is filtered if its roughness is at least
 this share of the largest on the way."""
@@ -85,10 +83,9 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
 
 def _sharp_and_rough(motion: Motion, sensitivity: float) -> tuple[np.ndarray, np.ndarray]:
     """The frames next to those in which a curve is rough, and the steps of `sharp_steps` there."""
-    curves = list(curves_of(motion)) if len(motion) >= LEAST_FRAMES else []
+    curves = list(curves_of(motion)) if len(motion) >= filters.LEAST_FRAMES else []
     rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
-    near = with_margin(rough[:, None] > SHARP_METRES, 1)[:, 0]
-    frames = np.flatnonzero(near[:-1])
+    frames = np.flatnonzero(with_margin(rough[:, None] > SHARP_METRES, 1)[:-1])
     return frames, sharp_steps(motion, frames, sensitivity)
 
 
@@ -106,13 +103,12 @@ def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = Non
     they still jump; first with the values of `source`, in which a jump is not smeared, if given."""
     source = motion if source is None else source
     margin = round(AROUND_SECONDS * motion.rate)
-    for _ in range(ROUNDS if len(motion) >= LEAST_FRAMES else 0):
-        some = np.asarray(jumps.any(axis=1, keepdims=True))
-        near = with_margin(some, margin)[:, 0]
+    for _ in range(ROUNDS if len(motion) >= filters.LEAST_FRAMES else 0):
+        near = with_margin(jumps.max(axis=1, keepdims=True), margin)[:, 0]
         rotations = motion.rotations.copy()
         translations = motion.translations.copy()
         for first, end in runs(near).tolist():  # the filtered curves of an hour take 0.75 GB
-            part = slice(first, max(end, min(first + LEAST_FRAMES, len(motion))))
+            part = slice(first, max(end, min(first + filters.LEAST_FRAMES, len(motion))))
             filtered = _filtered_around(motion.at(part), jumps[part], source.at(part))
             rotations[part] = filtered.rotations
             translations[part] = filtered.translations
@@ -166,21 +162,20 @@ def _steps_that(
 def _off_median(positions: np.ndarray) -> np.ndarray:
     """How far steps (F - 1, 20) are from the median of seven, in units of the threshold."""
     steps = np.diff(positions, axis=0)
-    return np.linalg.norm(steps - median_of(steps, 3), axis=-1) / OFF_MEDIAN_METRES
+    return np.linalg.norm(steps - filters.median_of(steps, 3), axis=-1) / OFF_MEDIAN_METRES
 
 
 def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motion:
     """The motion with the rotations and translations of the joints on the way from the root to
     those that jump (frames, 20) those of `source` filtered around, as far as they are not smooth
     there."""
-    strong = filter_motion(source, lambda curve: strongly_filtered(curve, motion.rate))
+    strong = filters.filter_motion(source, lambda x: filters.strongly_filtered(x, motion.rate))
     near = with_margin(_rough_on_the_way(source, jumps), round(BLENDED_SECONDS * motion.rate))
     width = max(2 * round(BLENDED_SECONDS * motion.rate / 2) + 1, 3)
     window = np.hanning(width + 2)[1:-1] / np.hanning(width + 2).sum()
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
     for joint in np.flatnonzero(near.any(axis=0)).tolist():
-        padded = np.pad(near[:, joint].astype(float), width // 2, "edge")
-        share = np.convolve(padded, window, "valid")
+        share = np.convolve(np.pad(near[:, joint] + 0.0, width // 2, "edge"), window, "valid")
         rotations[:, joint] = slerp(rotations[:, joint], strong.rotations[:, joint], share)
         change = strong.translations[:, joint] - translations[:, joint]
         translations[:, joint] += share[:, None] * change
@@ -207,11 +202,19 @@ def _rough_on_the_way(motion: Motion, jumps: np.ndarray) -> np.ndarray:
 
 
 def find_jitter(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
-    """One finding about the whole motion, of kind "jitter"."""
-    return [Finding(BODY, (0, len(motion) - 1), "jitter", "the whole motion is smoothed")]
+    """One finding about the whole motion, of kind "jitter", if its joints shake and its rate
+    lets noise and motion be separated."""
+    shakes = shaking(motion) / SHAKING
+    if shakes * 2 * sensitivity <= 1 or motion.rate < filters.LEAST_RATE:
+        return []
+    why = f"joints shake by {SHAKING * shakes:.1f} m/s²; the whole motion is smoothed"
+    return [Finding(BODY, (0, len(motion) - 1), "jitter", why, confidence=confidence(shakes))]
 
 
 def smooth_motion(motion: Motion, findings: Sequence[Finding] = ()) -> Motion:
     """The motion without the jitter of its rotations and translations, in all frames."""
-    smooth = filter_motion(motion, lambda curve: smooth_curve(curve, motion.rate))
-    return without_jumps(smooth, jumping_steps(smooth), motion)
+    smooth = filters.filter_motion(motion, lambda curve: filters.smooth_curve(curve, motion.rate))
+    # A fast kick is not sharp and no jump; what was sharp is no longer so once it is filtered.
+    sharp = sharp_steps(motion).max(axis=1, keepdims=True)
+    near = with_margin(sharp, round(BLENDED_SECONDS * motion.rate))
+    return without_jumps(smooth, jumping_steps(smooth) & near, motion)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.mocap.t_pose import leading_t_pose
+from numpy_cae.motion.filters import LEAST_RATE
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import sliding, usual_body
 from numpy_cae.repair.interpolated import with_finite_values
@@ -77,7 +78,8 @@ def fitting_preset(motion: Motion) -> str | None:
     first = t_pose.frames if t_pose else 0
     some = motion.at(slice(first, first + int(LONGEST_SECONDS * motion.rate)))
     some = some.resampled(30.0) if motion.rate > 40 else some
-    if len(some) > 4 and sliding(some) > SLIDING_CENTIMETRES and _is_rough(some):
+    noisy = some.rate >= LEAST_RATE and len(some) > 4 and _is_rough(some)
+    if noisy and sliding(some) > SLIDING_CENTIMETRES:
         return "video"
     return "suit" if t_pose else None
 

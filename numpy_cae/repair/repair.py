@@ -24,13 +24,13 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion, require_finite
+from numpy_cae.repair import jumps
 from numpy_cae.repair.curves import slides_of
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.repair.finding import Finding, marked, shifted, usable
 from numpy_cae.repair.holes import UNKNOWN_METRES, complete_holes, filled_by
 from numpy_cae.repair.interpolated import interpolate_channels, with_finite_values
-from numpy_cae.repair.jumps import find_jitter, find_jumps, jumping_steps, mend_jumps, smooth_motion
 from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.repair.presets import Preset
 from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
@@ -70,8 +70,8 @@ STEPS = (
     Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced),
     Step(("spike",), find_spikes, interpolate_channels),
     Step(("limb turned",), find_limb_turns, mend_limb_turns, asks=True),
-    Step(("jitter",), find_jitter, smooth_motion, "smooth"),
-    Step(("jumps",), find_jumps, mend_jumps, jumps_left=0.6),
+    Step(("jitter",), jumps.find_jitter, jumps.smooth_motion, "smooth"),
+    Step(("jumps",), jumps.find_jumps, jumps.mend_jumps, jumps_left=0.6),
     Step(("foot",), find_feet, mend_feet, "feet"),
 )
 """STEPS: what is mended, in this order, before holes are filled in."""
@@ -189,7 +189,7 @@ def mend(
             damage = [finding for finding in given if finding.kind in step.kinds]
         else:
             damage = step.find(motion, preset.sensitivity, *model)
-        motion, damage = _mended(motion, damage, step, model, asked or given is not None)
+        motion, damage = _mended(motion, damage, step, model, given is not None)
         found += damage
     return motion, found + [finding for finding in given or [] if finding.kind == "marked"]
 
@@ -205,7 +205,8 @@ def _mended(
     mended = motion
     for _ in range(ROUNDS):
         mended = step.mend(motion, done, *model) if done else motion
-        worse = [] if wanted else _worse(mended, motion, done, step)
+        # Feet are checked where they are mended.
+        worse = [] if wanted or step.find is find_feet else _worse(mended, motion, done, step)
         done = [finding for finding in done if finding not in worse]
         if not worse:
             break
@@ -219,22 +220,28 @@ def _mended(
 
 def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> list[Finding]:
     """The findings near which a step has made the motion worse; all if more than the share
-    `step.jumps_left` of the jumps near any of them is left."""
+    `step.jumps_left` of the jumps near any of them is left.
+
+    Feet that slide more count if joints that jump were filtered, or the whole motion was and at
+    least half of its sharp jumps are left: feet that jump hardly stand.
+    """
     margin = round(NEAR_SECONDS * before.rate)
     near = np.zeros((len(before), 1), bool)
     for finding in damage:
         near[finding.stretch] = True
     frames = np.flatnonzero(with_margin(near, margin)[:-1])
-    jumps = [jumping_steps(motion, frames).sum(axis=1) for motion in (before, after)]
-    if jumps[1].sum() > step.jumps_left * jumps[0].sum():
+    left = [jumps.jumping_steps(motion, frames).sum(axis=1) for motion in (before, after)]
+    if left[1].sum() > step.jumps_left * left[0].sum():
         return damage
     slides = np.zeros((2, len(before)))
-    if step.find is find_jumps:  # a body that was still did not slide
+    sharp = [jumps.sharp_steps(motion).sum() for motion in (before, after) if step.option]
+    # A body that was still, or jumped, did not slide.
+    if step.find is jumps.find_jumps or (sharp and 2 * sharp[1] >= sharp[0]):
         slides[:, :-1] = slides_of(before, after)
     worse = []
     for finding in damage:
         there = slice(max(finding.stretch.start - margin, 0), finding.stretch.stop + margin)
-        more = jumps[1][there].sum() > jumps[0][there].sum()
+        more = left[1][there].sum() > left[0][there].sum()
         slide = slides[:, there].sum(axis=1) / max(np.count_nonzero(slides[0, there]), 1)
         slid = slide[1] - slide[0] > max(SLIDING_SHARE * slide[0], SLIDING_CENTIMETRES)
         if more or slid:

@@ -98,8 +98,8 @@ def _changed(
     row = _row(source, repaired, values, status)
     if args.command == "fill":  # without its number of findings
         said = said[1:]
-        values = [each for each in values if f"{each[1]:.3g}" != f"{each[2]:.3g}"]
-    changes = [(name, f"{old:.3g}", _after_text(old, new)) for name, old, new in values]
+        values = [each for each in values if round(each[1], 1) != round(each[2], 1)]
+    changes = [(name, f"{round(old, 1):.10g}", _after_text(old, new)) for name, old, new in values]
     written = {}
     if target is not None:
         if not files.is_single(args):
@@ -147,7 +147,7 @@ def in_words(numbers: Sequence[float]) -> str:
 
 def _after_text(before: float, after: float) -> str:
     """The value after, marked if it is worse: larger by more than 1% and 0.1."""
-    return f"{after:.3g}{' (worse)' if after > 1.01 * before + 0.1 else ''}"
+    return f"{round(after, 1):.10g}{' (worse)' if after > 1.01 * before + 0.1 else ''}"
 
 
 def _heading(
