@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError("say what is missing: --joint, --limb, --frames, --mask or --keyframes")
     manifold = files.load_model(args)
 
-    def fill(motion: Motion) -> Repaired:
+    def fill(motion: Motion, progress: change_files.Progress) -> Repaired:
         findings = damage_options.chosen_findings(args, motion)
         if findings is None:
             return fill_motion(motion, manifold, keyframe_mask(len(motion), args.keyframes))

@@ -56,11 +56,11 @@ def run(args: argparse.Namespace) -> int:
     if args.source:
         print(f"--from {args.source}: {preset}")
 
-    def mend(motion: Motion) -> Repaired:
+    def mend(motion: Motion, progress: change_files.Progress) -> Repaired:
         if args.project:
             return _projected(motion, manifold)
         findings = damage_options.chosen_findings(args, motion)
-        repaired = repair(motion, manifold, preset=preset, findings=findings)
+        repaired = repair(motion, manifold, preset=preset, findings=findings, progress=progress)
         if args.only:
             return repair(motion, manifold, findings=_only(args.only, repaired))
         return repaired
