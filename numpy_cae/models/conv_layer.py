@@ -79,7 +79,7 @@ class ConvLayer:
         Of a motion x that hardly changes in a pair of frames, the encoder passes √2 xQ to both
         frames, pooling keeps one, the decoder puts half of it on each frame and returns
         ½ · √2 · √2 · x Q Qᵀ = x. Q is random. If there are twice as many filters as channels, the
-        second half of the filters has the slope, -g'(k), with Σ_k |g'(k)| = √2, so that a pair of
+        second half of the filters has the slope, g'(k), with Σ_k |g'(k)| = √2, so that a pair of
         frames is described by its value and its slope. If there are fewer filters than channels,
         Q Qᵀ is a projection.
 

@@ -190,5 +190,6 @@ def test_gradient_for_the_hidden_units(seed):
 
 def test_passing_weights_return_slow_motion_before_any_training():
     x = 0.1 * np.sin(np.arange(160)[:, None] / np.linspace(15, 30, 9) + np.arange(9))[None]
-    model = ConvAutoencoder(9, (9, 18, 36), 15, dtype=np.float64, initial="passing")
+    model = ConvAutoencoder(9, (9, 18, 36), 15, initial="passing")
+    assert {array.dtype for array in model.parameters.values()} == {np.dtype(np.float32)}
     assert np.abs(model.project(x) - x)[:, 40:-40].mean() < 0.2 * np.abs(x).mean()
