@@ -86,12 +86,12 @@ def fitting_preset(motion: Motion) -> str | None:
 
 def shaking(motion: Motion) -> float:
     """The median change of a joint's acceleration from frame to frame, at most 30 a second, of a
-    body of a person's size, in metres a second squared."""
+    body of a person's size, in metres a second squared; where a pose is repeated nothing shakes."""
     some = motion.resampled(30.0) if motion.rate > 40 else motion
     if len(some) < 4:
         return 0.0
-    change = np.diff(usual_body(some), 3, axis=0) * some.rate**2
-    return float(np.median(np.linalg.norm(change, axis=-1)))
+    change = np.linalg.norm(np.diff(usual_body(some), 3, axis=0), axis=-1) * some.rate**2
+    return float(np.median(change[change > 0])) if change.any() else 0.0
 
 
 def _is_rough(motion: Motion) -> bool:
