@@ -140,7 +140,7 @@ def test_what_the_model_does_not_know_stays_as_it_is(folder, tmp_path, capsys, m
 def test_findings_are_written_corrected_and_passed_back(takes, tmp_path, capsys, run):
     spiked, found, out = takes / "more" / "spike.bvh", tmp_path / "found.json", tmp_path / "out.bvh"
     assert main(["repair", str(spiked), "--dry-run", "--findings", str(found)]) == 0
-    entries = json.loads(found.read_text())
+    entries = json.loads(found.read_text("utf-8"))
     assert {entry["joint"] for entry in entries} == {"left_shoulder", "left_elbow"}
     assert all(entry["frames"] == [40, 40] and entry["cm"] > 5 for entry in entries)
     found.write_text(json.dumps([entries[0]]))
