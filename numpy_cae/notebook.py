@@ -1,19 +1,14 @@
 """Motions and repaired motions show themselves in a notebook."""
 
-import sys
 from html import escape
 
-
-def shell():
-    """The running IPython; None in plain Python."""
-    ipython = sys.modules.get("IPython")
-    return ipython and ipython.get_ipython()
+from numpy_cae import ipython
 
 
 def register() -> None:
     """Tell IPython, if it runs this, how to display a Motion and a Repaired; import neither."""
-    if shell():
-        html = shell().display_formatter.formatters["text/html"]
+    if ipython.shell():
+        html = ipython.shell().display_formatter.formatters["text/html"]
         html.for_type_by_name("numpy_cae.motion.motion", "Motion", motion_html)
         html.for_type_by_name("numpy_cae.repair.repaired", "Repaired", repaired_html)
 

@@ -9,7 +9,7 @@ import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
-from numpy_cae import notebook, training, viz
+from numpy_cae import ipython, training, viz
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap import load_motion as load
@@ -113,7 +113,7 @@ def show(
     if findings:
         actors = viz.before_and_after(*motions, rig_of(motions[0]).joints, labels)
     entries = [finding.to_json() for finding in findings]
-    if path is None and notebook.shell():
+    if path is None and ipython.shell():
         return viz.in_notebook(actors, rate, entries)
     page = Path(path or Path(tempfile.mkdtemp(prefix="numpy_cae_"), "motions.html"))
     viz.save_viewer(actors, page, rate, overlaid=bool(findings), findings=entries)
@@ -154,7 +154,7 @@ def learn(folder: str | Path, recipe: str = "fast", seed: int = 0) -> MotionMani
         if isinstance(body, Problem):
             raise body
         takes.append(body[0])
-    if not notebook.shell():
+    if not ipython.shell():
         return learn_manifold(takes, schedule, seed, report=training.ProgressPrinter())
     with viz.LiveCurve("loss of a step") as curve:
         return learn_manifold(takes, schedule, seed, report=lambda state: curve.add(state.loss))

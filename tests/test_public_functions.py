@@ -89,7 +89,7 @@ def test_a_manifold_is_learned_saved_and_projects_motions(take, tmp_path, monkey
 
 def test_motions_show_themselves_in_a_notebook(take, monkeypatch):
     shell = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell()
-    monkeypatch.setattr("numpy_cae.notebook.shell", lambda: shell)
+    monkeypatch.setattr("numpy_cae.ipython.shell", lambda: shell)
     notebook.register()
     motion = numpy_cae.load(take)
     repaired = numpy_cae.repair(motion)
