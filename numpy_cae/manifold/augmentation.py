@@ -21,7 +21,7 @@ def mirrored(positions: np.ndarray) -> np.ndarray:
 
 
 def damaged_chains() -> tuple[tuple[int, ...], ...]:
-    """The chains of joints for `training.damage.damage_stretches`, as indices of the features.
+    """The chains of joints for `training.corruption.damage_stretches`, as indices of the features.
 
     Every joint is a chain with its parent as base. Each limb gives four more chains, so that whole
     limbs are drawn often enough: one with the chest or the hips as base and one with the limb's

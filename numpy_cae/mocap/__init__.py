@@ -5,7 +5,7 @@ converts between a rig and the twenty joints. `load_motion` puts a file into met
 """
 
 from numpy_cae.mocap.bodies import load_windows
-from numpy_cae.mocap.formats.bvh import read_bvh
+from numpy_cae.mocap.formats.read_bvh import read_bvh
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.load import find_motion_files, load_angles, load_body, load_motion, save

@@ -21,8 +21,8 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.mocap.coordinates import in_y_up, require_coordinates, with_unit_of_limbs
 from numpy_cae.mocap.formats.amc import find_skeleton, read_amc
-from numpy_cae.mocap.formats.bvh import read_bvh
 from numpy_cae.mocap.formats.expmap import is_expmap_text, read_expmap
+from numpy_cae.mocap.formats.read_bvh import read_bvh
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.formats.write_like import write_like

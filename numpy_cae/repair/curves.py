@@ -36,9 +36,9 @@ LEAST_LEVER_METRES = 0.05
 JUMP_METRES = (0.05, 0.08)
 """JUMP_METRES: a step is a jump only if it is longer than this (m): the lower one at high rates,
 the upper one at low rates."""
-JUMP_ACCELERATION = 72.0
-"""JUMP_ACCELERATION: in between, a jump is longer than this acceleration (m/s²) moves a joint in
-the time of a frame."""
+JUMP_METRES_A_SECOND_SQUARED = 72.0
+"""JUMP_METRES_A_SECOND_SQUARED: in between, a jump is longer than this acceleration (m/s²)
+moves a joint in the time of a frame."""
 
 
 @dataclass(frozen=True)
@@ -217,4 +217,4 @@ class Segment(NamedTuple):
 
 def least_jump(rate: float) -> float:
     """The length of the shortest jump at a rate, metres."""
-    return float(np.clip(JUMP_ACCELERATION / rate**2, *JUMP_METRES))
+    return float(np.clip(JUMP_METRES_A_SECOND_SQUARED / rate**2, *JUMP_METRES))

@@ -29,9 +29,9 @@ OFF_MEDIAN_METRES = 0.08
 SHARP_METRES = OFF_MEDIAN_METRES / 2
 """SHARP_METRES: a joint that jumps within a motion that is not filtered is further than this from a
 cubic (m), as after a single step of `OFF_MEDIAN_METRES`."""
-SHARP_ACCELERATION = 45.0
-"""SHARP_ACCELERATION: such a joint is also further from the cubic than this acceleration (m/s²)
-moves it in the time of a frame."""
+SHARP_METRES_A_SECOND_SQUARED = 45.0
+"""SHARP_METRES_A_SECOND_SQUARED: such a joint is also further from the cubic than this
+acceleration (m/s²) moves it in the time of a frame."""
 SHARPNESS_RATIO = 0.45
 """SHARPNESS_RATIO: such a joint is also further from the cubic than this times its largest step of
 two frames around. After a frame that is elsewhere the ratio is 1, in noise about 1, where a joint
@@ -132,7 +132,7 @@ def sharp_steps(
 ) -> np.ndarray:
     """The steps to the next frame that jump and are sharp, (frames, 20) of bool: their joint is off
     the cubic through the two frames before it and the two after it."""
-    least = max(SHARP_METRES, SHARP_ACCELERATION / motion.rate**2) / (2 * sensitivity)
+    least = max(SHARP_METRES, SHARP_METRES_A_SECOND_SQUARED / motion.rate**2) / (2 * sensitivity)
 
     def sharp(positions: np.ndarray) -> np.ndarray:
         off = np.linalg.norm(off_cubic(positions), axis=-1)

@@ -21,10 +21,10 @@ from numpy_cae.repair.finding import Finding, confidence
 
 LONGEST_SPIKE_SECONDS = 0.1
 """LONGEST_SPIKE_SECONDS: a spike lasts at most this time (s), or a frame."""
-LEAST_ACCELERATION = 60.0
-"""LEAST_ACCELERATION: a spike deviates by more than the shortest jump (`least_jump`), and by more
-than this acceleration (m/s²) moves a joint in the time of a frame: a hand or foot that strikes
-reaches it."""
+SPIKE_METRES_A_SECOND_SQUARED = 60.0
+"""SPIKE_METRES_A_SECOND_SQUARED: a spike deviates by more than the shortest jump (`least_jump`),
+and by more than this acceleration (m/s²) moves a joint in the time of a frame: a hand or foot that
+strikes reaches it."""
 NOISE_RATIO = 9.0
 """NOISE_RATIO: a spike deviates by more than this times the noise, which is the median over a
 second of the deviations of single frames."""
@@ -75,7 +75,7 @@ def longest_spike(rate: float) -> int:
 
 def _least_spike(rate: float) -> float:
     """The least deviation of a spike at a rate, metres."""
-    return max(least_jump(rate), LEAST_ACCELERATION / rate**2)
+    return max(least_jump(rate), SPIKE_METRES_A_SECOND_SQUARED / rate**2)
 
 
 def _spikes(motion: Motion, curve: Curve, sensitivity: float) -> list[Segment]:

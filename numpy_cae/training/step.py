@@ -10,7 +10,7 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
 from numpy_cae.training.adam import Adam
-from numpy_cae.training.damage import damage_stretches
+from numpy_cae.training.corruption import damage_stretches
 from numpy_cae.training.schedule import SequenceSchedule, Stage
 from numpy_cae.training.sgd import Sgd, clip_norm
 

@@ -10,7 +10,7 @@ from data_synth.kinds import KINDS
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.coordinates import TO_Y_UP, as_in_file, in_y_up, require_coordinates
 from numpy_cae.mocap.formats.amc import read_amc
-from numpy_cae.mocap.formats.bvh import read_bvh
+from numpy_cae.mocap.formats.read_bvh import read_bvh
 from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.load import find_motion_files, load_motion

@@ -6,7 +6,7 @@ import pytest
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.motion import JOINTS
 from numpy_cae.training import Stage
-from numpy_cae.training.damage import MAX_STRETCH_FRAMES, _damage, damage_stretches
+from numpy_cae.training.corruption import MAX_STRETCH_FRAMES, _damage, damage_stretches
 from numpy_cae.training.step import corrupted_copy
 
 X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)

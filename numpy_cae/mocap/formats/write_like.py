@@ -17,8 +17,8 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.coordinates import as_in_file
 from numpy_cae.mocap.formats.amc import amc_channels
-from numpy_cae.mocap.formats.bvh import bvh_channels
 from numpy_cae.mocap.formats.channels import Channels
+from numpy_cae.mocap.formats.read_bvh import bvh_channels
 from numpy_cae.mocap.formats.text_file import MotionFileError, as_number
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import Motion, require_finite
