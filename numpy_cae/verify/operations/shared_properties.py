@@ -195,7 +195,7 @@ def _dtype(operation: Operation, implementation: Callable, case: Case) -> Pairs:
             by = max(float(np.max(np.abs(m[what] - exact[what]), initial=0.0)) for m in moved)
             ulps = OWN_ULPS if operation.seeded_by else FLOAT32_ULPS
             allowed = ulps * (FLOAT32 * max(floor, _largest(expected)) + by)
-            off = operation.alike(arguments, np.float64(result)) - expected
+            off = operation.alike(arguments, np.asarray(result, np.float64)) - expected
             yield Pair(f"of float32, the error of {what}", off, np.zeros_like(off), allowed)
 
 
