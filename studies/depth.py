@@ -40,24 +40,15 @@ def run(material: Material, seed: int = 0, epochs: int = EPOCHS) -> Result:
     header = ["stack", "reconstruction, cm", "half removed, cm", "active units"]
     rows = [[name, *values] for name, values in measured.items()]
     one, two, three, free = measured.values()
-    return Result(
-        "Depth of the stack",
-        [Table(f"{epochs} epochs of each stage:", header, rows)],
-        [
-            Claim(
-                "deep_justified",
-                three[1] < min(one[1], two[1]),
-                f"three layers {three[1]:.2f} cm;",
-                opponent=f"two {two[1]:.2f}, one {one[1]:.2f} cm.",
-            ),
-            Claim(
-                "sparsity",
-                three[2] < free[2],
-                f"{three[2]:.0%} of the units are active with α = 0.01;",
-                opponent=f"{free[2]:.0%} with α = 0.",
-            ),
-        ],
-    )
+    deep = f"three layers {three[1]:.2f} cm;"
+    shallow = f"two {two[1]:.2f}, one {one[1]:.2f} cm."
+    active = f"{three[2]:.0%} of the units are active with α = 0.01;"
+    claims = [
+        Claim("deep_justified", three[1] < min(one[1], two[1]), deep, opponent=shallow),
+        Claim("sparsity", three[2] < free[2], active, opponent=f"{free[2]:.0%} with α = 0."),
+    ]
+    table = Table(f"{epochs} epochs of each stage:", header, rows)
+    return Result("Depth of the stack", [table], claims)
 
 
 def _measured(

@@ -62,24 +62,16 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     drawn = each[len(each) // 2]
     colours = {HELD: CORRUPTED, REPEATED: PROJECTED, TRUE: TRUTH}
     motions = {name: (drawn[name], colour) for name, colour in colours.items()}
-    return Result(
-        "Filling in: a missing marker and stepped keyframes",
-        [
-            Table(
-                "Error at the missing joint, cm (root mean square of a coordinate):",
-                ["missing joint", MEAN_POSE, NETWORK],
-                [[joint, *pair] for joint, pair in wrists.items()],
-            ),
-            Table(
-                f"Every {EVERY}th frame held, mean of {len(each)} takes:",
-                HEADER,
-                [[name, *values] for name, values in measured.items()],
-            ),
-        ],
-        [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)],
-        {"filling_in": moving(motions, manifold.rate)},
-        sample,
-    )
+    of_wrists = "Error at the missing joint, cm (root mean square of a coordinate):"
+    of_wrist = [[joint, *pair] for joint, pair in wrists.items()]
+    stepped = [[name, *values] for name, values in measured.items()]
+    tables = [
+        Table(of_wrists, ["missing joint", MEAN_POSE, NETWORK], of_wrist),
+        Table(f"Every {EVERY}th frame held, mean of {len(each)} takes:", HEADER, stepped),
+    ]
+    title = "Filling in: a missing marker and stepped keyframes"
+    claims = [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)]
+    return Result(title, tables, claims, {"filling_in": moving(motions, manifold.rate)}, sample)
 
 
 def _without(manifold: MotionManifold, testing: Clips, joint: str) -> list[float]:

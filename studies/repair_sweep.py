@@ -6,7 +6,10 @@ zeros as they are or, from "mask:" on, which values are missing. Errors are root
 coordinate in at most 60 windows of the test takes. Baselines are fitted to the training takes; PCA
 has the number of axes that is best on the test takes, which favours PCA.
 
-    python -m studies repair_sweep --data bandai -m best.npz
+    python -m studies repair_sweep --data bandai -m best.npz -o sweep
+
+-o FOLDER also writes a page of one window with half, 80% and 90% of its values removed, repaired by
+each method, moving.
 """
 
 from collections import defaultdict
@@ -19,10 +22,19 @@ from numpy_cae.evaluation.clips import Clips, clips_of
 from numpy_cae.evaluation.half_removed import Repairs
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
+from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
 from studies.shared.material import Material, testing_of
-from studies.shared.result import Claim, Result, Table
+from studies.shared.result import Claim, Picture, Result, Table, moving
 
-PS = (0.1, 0.3, half.P, 0.7, 0.9)
+PS = (0.1, 0.3, half.P, 0.8, 0.9)
+SHOWN = {
+    half.DAMAGED: CORRUPTED,
+    half.NETWORK: PROJECTED,
+    half.PCHIP: OTHERS[0],
+    half.GAUSSIAN: OTHERS[1],
+    half.COMPLETED: PLAIN,
+}
+"""The methods that are drawn, and their colours."""
 WINDOWS = 60
 """WINDOWS: at most this many windows are repaired, since the Gaussian takes a tenth of a second for
 each."""
@@ -34,14 +46,26 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Remove values of test windows, drawn from the seed, and repair them with every method."""
     training = clips_of(manifold, [take.positions for take in material.training])
     testing, _ = testing_of(manifold, material)
-    errors = swept(Repairs(manifold, training), testing.evenly(WINDOWS), PS, [seed])
+    repairs = Repairs(manifold, training)
+    errors = swept(repairs, testing.evenly(WINDOWS), PS, [seed])
     rows = [[name, *each.mean(axis=1)] for name, each in errors.items()]
     header = ["method", *(f"p = {p}" for p in PS)]
     return Result(
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows)],
         _claims({name: float(each[PS.index(half.P)].mean()) for name, each in errors.items()}),
+        {f"removed_{p}": _picture(repairs, testing.evenly(1), p, seed) for p in PS[2:]},
     )
+
+
+def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:
+    """A window of which values are removed, as each method repairs it, beside the truth."""
+    damaged = zero_values(window.x, p, np.random.default_rng(seed))
+    made = {method: x for method, _, x in repairs.of(window, damaged, p)}
+    shown = {name: (made[name], colour) for name, colour in SHOWN.items()}
+    shown["the truth"] = window.x, TRUTH
+    whole = {n: (repairs.manifold.denormalise(x[0]), colour) for n, (x, colour) in shown.items()}
+    return moving(whole, repairs.manifold.rate)
 
 
 def swept(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[int]) -> Errors:
@@ -60,17 +84,15 @@ def _claims(at: dict[str, float]) -> list[Claim]:
     given as much; and the completion beside the best simple method that is given the mask."""
     simple = min(half.SIMPLE, key=lambda name: at[name])
     with_mask = min(half.SIMPLE_WITH_MASK, key=lambda name: at[name])
-    figures = f"{at[half.DAMAGED]:.2f} cm before, {at[half.NETWORK]:.2f} cm after;"
+    network = at[half.NETWORK]
+    completed = at[half.COMPLETED]
+    figures = f"{at[half.DAMAGED]:.2f} cm before, {network:.2f} cm after;"
     opponent = f"{simple}: {at[simple]:.2f} cm."
+    given = f"{with_mask}: {at[with_mask]:.2f} cm."
     return [
+        Claim("half_recovered", network < at[half.DAMAGED] / 2, figures, opponent=opponent),
+        Claim("better_than_simple", network < at[simple], figures, opponent=opponent),
         Claim(
-            "half_recovered", at[half.NETWORK] < at[half.DAMAGED] / 2, figures, opponent=opponent
-        ),
-        Claim("better_than_simple", at[half.NETWORK] < at[simple], figures, opponent=opponent),
-        Claim(
-            "completed_better",
-            at[half.COMPLETED] < at[with_mask],
-            f"{at[half.COMPLETED]:.2f} cm;",
-            opponent=f"{with_mask}: {at[with_mask]:.2f} cm.",
+            "completed_better", completed < at[with_mask], f"{completed:.2f} cm;", opponent=given
         ),
     ]
