@@ -12,6 +12,8 @@ programs are given which frames are keys, and the rotations of the rig in these.
 missing for a whole clip has no keys; `python -m studies damage` has holes between known frames.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
+
 import numpy as np
 
 from numpy_cae.evaluation import position_error
@@ -41,6 +43,7 @@ REPEATED = "the network, ends repeated"
 WRISTS = ("left_wrist", "right_wrist")
 TARGET = 0.85
 """The wrist's error is to be below this share of the mean pose's."""
+WRIST_ERROR = "Error at the missing joint, cm (root mean square of a coordinate):"
 HEADER = ("method", "error, cm", "delayed, cm", "jitter, m/s²")
 STEPPED_TAKES = 20
 """The most takes that are stepped, spread evenly over all."""
@@ -62,16 +65,18 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     drawn = each[len(each) // 2]
     colours = {HELD: CORRUPTED, REPEATED: PROJECTED, TRUE: TRUTH}
     motions = {name: (drawn[name], colour) for name, colour in colours.items()}
-    of_wrists = "Error at the missing joint, cm (root mean square of a coordinate):"
-    of_wrist = [[joint, *pair] for joint, pair in wrists.items()]
-    stepped = [[name, *values] for name, values in measured.items()]
+    held = f"Every {EVERY}th frame held, mean of {len(each)} takes:"
     tables = [
-        Table(of_wrists, ["missing joint", MEAN_POSE, NETWORK], of_wrist),
-        Table(f"Every {EVERY}th frame held, mean of {len(each)} takes:", HEADER, stepped),
+        _table(WRIST_ERROR, ["missing joint", MEAN_POSE, NETWORK], wrists),
+        _table(held, HEADER, measured),
     ]
     title = "Filling in: a missing marker and stepped keyframes"
     claims = [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)]
     return Result(title, tables, claims, {"filling_in": moving(motions, manifold.rate)}, sample)
+
+
+def _table(caption: str, header: Sequence[str], rows: Mapping[str, Iterable[float]]) -> Table:
+    return Table(caption, header, [[name, *numbers] for name, numbers in rows.items()])
 
 
 def _without(manifold: MotionManifold, testing: Clips, joint: str) -> list[float]:
