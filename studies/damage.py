@@ -17,16 +17,16 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
+from numpy_cae.evaluation.baselines import Gaussian
 from numpy_cae.evaluation.clips import clips_of
-from numpy_cae.evaluation.gaussian import Gaussian
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
+from numpy_cae.motion.hole_curves import ROTATION_CURVES, Curve
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.motion.key_curves import ROTATION_CURVES, Curve
 from numpy_cae.repair import Preset, repair
 from numpy_cae.repair.holes import Holes
 from numpy_cae.repair.interpolated import missing_joints, on_curves

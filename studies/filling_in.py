@@ -24,7 +24,7 @@ from numpy_cae.manifold.fill import keyframe_mask
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import Motion, features_to_positions, joint_slice
-from numpy_cae.motion.key_curves import ROTATION_CURVES
+from numpy_cae.motion.hole_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
 from numpy_cae.repair.interpolated import on_curves
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH

@@ -19,7 +19,7 @@ import numpy as np
 
 from numpy_cae.cli.shared.output import note
 from numpy_cae.fast import accelerate
-from numpy_cae.fast.blas import blas_threads
+from numpy_cae.fast.thread_team import blas_threads
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from studies.shared.material import Material
 from studies.shared.result import Result, Table

@@ -17,9 +17,16 @@ import tempfile
 from pathlib import Path
 
 from numpy_cae.course.catalogue import EXERCISES
-from numpy_cae.course.copies import MILESTONES, PACKAGED, choose_lessons, student_copy
+from numpy_cae.course.copies import (
+    MILESTONES,
+    PACKAGED,
+    choose_lessons,
+    find_lessons,
+    read_notebook,
+    student_copy,
+    write_notebook,
+)
 from numpy_cae.course.mine import EMPTY, FILE, with_definitions
-from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
 from numpy_cae.verify.grading.submission import is_exercise
 
 ROOT = Path(__file__).parents[1]

@@ -28,8 +28,8 @@ from numpy_cae.manifold import MotionManifold, load_manifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import JOINTS, RATE, Motion
+from numpy_cae.motion.hole_curves import CURVES, Curve, mean_curve
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.motion.key_curves import CURVES, Curve, mean_curve
 from numpy_cae.repair.holes import (
     LEAST_METRES,
     POWERS,

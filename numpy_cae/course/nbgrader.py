@@ -9,7 +9,7 @@ from pathlib import Path
 from nbformat import v4
 
 from numpy_cae.course import catalogue
-from numpy_cae.course.notebook import write_notebook
+from numpy_cae.course.copies import write_notebook
 from numpy_cae.verify.grading.report import Report
 from numpy_cae.verify.grading.student_file import grade
 

@@ -12,13 +12,11 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from scipy.interpolate import pchip_interpolate
 
+from numpy_cae.evaluation.baselines import PCA, Gaussian, filtered
 from numpy_cae.evaluation.clips import Clips, clips_of
-from numpy_cae.evaluation.gaussian import Gaussian, filtered
-from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.table import Table
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.shifted_projection import zeroed_fraction
-from numpy_cae.manifold.spline import interpolated
+from numpy_cae.manifold.complete import interpolated, zeroed_fraction
 from numpy_cae.training import zero_values
 
 P = 0.5

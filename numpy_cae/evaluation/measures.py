@@ -7,7 +7,7 @@ over frames and standardised numbers, so that 1 is one standard deviation in eac
 
 import numpy as np
 
-from numpy_cae.motion.angle_table import ANGLES
+from numpy_cae.motion.angles import ANGLES
 from numpy_cae.motion.features import POSITIONS, joint_slice
 
 

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from numpy_cae.evaluation.baselines import PCA
 from numpy_cae.evaluation.measures import angle_distance
-from numpy_cae.evaluation.pca import PCA
 from numpy_cae.evaluation.table import Table
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.motion import cut_clips, draw_clips

@@ -6,20 +6,17 @@
 
 Reading order, each file using those before it:
 
-blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w))
+blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w)), and which
+                             form of the convolution is the cheapest for a layer
 convolution                  `conv1d` by blocks, with its pullback: the whole idea in one function
 products                     matrix products in pieces that BLAS multiplies at full speed
-layer_sizes                  which form of the convolution is the cheapest for a layer
-spectral_convolution         W in the encoder and W̃ in the decoder with one transform of the filters
-direct_convolution           the same by the definition's own form, for one window
+thread_team                  Python threads that share the windows, each with one BLAS thread
+layer_convolution            W in the encoder and W̃ in the decoder with one transform of the
+                             filters, or for one window by the definition's own form
 fast_layer                   equations 1 and 2 with their pullbacks in fixed buffers
-worker                       one thread's windows through all layers and back
-blas, thread_team            Python threads that share the windows, each with one BLAS thread
-workspace                    the workers, and what they share
+workspace                    one thread's windows through all layers and back; the threads together
 fast_conv_autoencoder        `ConvAutoencoder` with these
-gru_matrices                 the weights of a GRU, rearranged into one matrix per product
 fast_gru                     one GRU over the clips of a thread, without temporary arrays
-sequence_engine              both GRUs on a team of threads
 fast_sequential_autoencoder  `SequentialAutoencoder` with these
 """
 

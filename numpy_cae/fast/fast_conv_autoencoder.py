@@ -9,15 +9,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from numpy_cae.fast.layer_sizes import LayerSizes
+from numpy_cae.fast.blocks import LayerSizes
 from numpy_cae.fast.thread_team import thread_team
 from numpy_cae.fast.workspace import Worker, Workspace
-from numpy_cae.models.conv_autoencoder import (
-    ConvAutoencoder,
-    Gradients,
-    require_denoising_arguments,
-    require_windows,
-)
+from numpy_cae.models import ConvAutoencoder, conv_autoencoder
 from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.ops.shapes import require_shape
 
@@ -53,7 +48,7 @@ class FastConvAutoencoder(ConvAutoencoder):
     def encode(self, x: np.ndarray, layers: int | None = None) -> np.ndarray:
         """Y = Φ(X), as `ConvAutoencoder.encode`."""
         used = self.layers[:layers]
-        require_windows("x", x, used)
+        conv_autoencoder.require_windows("x", x, used)
         hidden = x.shape[1] >> len(used), used[-1].b.size
         return self._computed(Worker.encode, used, x, x.shape[1], hidden)
 
@@ -65,7 +60,7 @@ class FastConvAutoencoder(ConvAutoencoder):
 
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)), as `ConvAutoencoder.project`; the hidden units stay in the buffers."""
-        require_windows("x", x, self.layers)
+        conv_autoencoder.require_windows("x", x, self.layers)
         return self._computed(Worker.project, self.layers, x, x.shape[1], x.shape[1:])
 
     def loss_and_gradients(
@@ -75,10 +70,10 @@ class FastConvAutoencoder(ConvAutoencoder):
         alpha: float = 0.0,
         first: Sequence[np.ndarray] | None = None,
         layer: int | None = None,
-    ) -> tuple[float, Gradients]:
+    ) -> tuple[float, conv_autoencoder.Gradients]:
         """Equation 3 and its derivatives, as `ConvAutoencoder.loss_and_gradients`."""
         layers = self.layers if layer is None else [self.layers[layer]]
-        require_denoising_arguments(layers, x, corrupted, first)
+        conv_autoencoder.require_denoising_arguments(layers, x, corrupted, first)
         dtype = np.result_type(x, corrupted, *(each.w for each in layers))
         dws = [np.empty(each.w.shape, dtype) for each in layers]
         masks = [None] * len(layers) if first is None else first

@@ -8,9 +8,8 @@ frames. In float32 tanh⁻¹ is rounded to 1e-7 of 1, not of the result.
 
 import numpy as np
 
-from numpy_cae.fast.direct_convolution import DirectConvolution
+from numpy_cae.fast.layer_convolution import DirectConvolution, SpectralConvolution
 from numpy_cae.fast.products import zeros
-from numpy_cae.fast.spectral_convolution import SpectralConvolution
 
 Convolution = SpectralConvolution | DirectConvolution
 

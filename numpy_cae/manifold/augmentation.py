@@ -5,8 +5,7 @@ Neither is in the paper, which learns from a larger database.
 
 import numpy as np
 
-from numpy_cae.motion.features import joint_slice
-from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion import JOINTS, PARENTS, joint_slice
 
 _SIDES = {"left": "right", "right": "left"}
 _MIRRORED = [

@@ -12,11 +12,10 @@ import numpy as np
 
 from numpy_cae.manifold.complete import completed
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.motion import JOINTS, PARENTS, RATE
 from numpy_cae.motion.features import POSITIONS, local_positions
 from numpy_cae.motion.hole_curves import over_holes
-from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.masks import runs_with
-from numpy_cae.motion.motion import RATE
 
 AGAIN = 4
 """AGAIN: after a first projection of all joints, legs are projected this many times by

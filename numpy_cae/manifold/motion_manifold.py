@@ -8,34 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import save_arrays
-from numpy_cae.manifold.complete import completed
-from numpy_cae.manifold.model_arrays import (
-    MAX_FRAMES,
-    MAX_LENGTH,
-    MAX_RATE,
-    SMALLEST,
-    integer,
-    json_object,
-    numbers,
-)
-from numpy_cae.manifold.shifted_projection import (
-    WINDOWS_AT_ONCE,
-    project_shifted,
-    zeroed_fraction,
-)
-from numpy_cae.manifold.spline import interpolated
+from numpy_cae import array_file
+from numpy_cae.manifold import complete
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.motion.features import (
-    FEATURES,
-    RootTransform,
-    bone_lengths,
-    change_lengths,
-    positions_to_features,
-    problem_of_lengths,
-)
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import RATE
+from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
+from numpy_cae.motion.features import FEATURES, RootTransform, problem_of_lengths
 from numpy_cae.motion.windows import LENGTH
 
 FORMAT = "numpy_cae convolutional manifold 3"
@@ -232,7 +209,9 @@ class MotionManifold:
             x = x.astype(self.network.layers[0].w.dtype)
             return self._project_clip(self._rescaled(x), averaged).astype(np.float64)
 
-        found = completed(x, known[None], interpolated(x, known[None]), project, interpolated)[0]
+        found = complete.completed(
+            x, known[None], complete.interpolated(x, known[None]), project, complete.interpolated
+        )[0]
         return np.where(known, features, self.denormalise(found))
 
     def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -241,16 +220,22 @@ class MotionManifold:
         To bound memory, `WINDOWS_AT_ONCE` windows are completed together; the iteration ends for
         all of these at the same time.
         """
-        parts = [slice(n, n + WINDOWS_AT_ONCE) for n in range(0, len(x), WINDOWS_AT_ONCE)]
+        parts = [
+            slice(n, n + complete.WINDOWS_AT_ONCE)
+            for n in range(0, len(x), complete.WINDOWS_AT_ONCE)
+        ]
         each = ((x[part], known[part]) for part in parts)
         done = [
-            completed(*one, interpolated(*one), self.project_windows, interpolated) for one in each
+            complete.completed(
+                *one, complete.interpolated(*one), self.project_windows, complete.interpolated
+            )
+            for one in each
         ]
         return np.concatenate(done) if done else x
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""
-        return project_shifted(self.network, self._rescaled(x), average_shifts)
+        return complete.project_shifted(self.network, self._rescaled(x), average_shifts)
 
     def remembering(self) -> "MotionManifold":
         """The same manifold, for repeated projections of a motion that changes in few places: a
@@ -280,7 +265,7 @@ class MotionManifold:
         >>> load_manifold("model.npz").stride
         8
         """
-        save_arrays(self.arrays(half), path)
+        array_file.save_arrays(self.arrays(half), path)
 
     def arrays(self, half: bool = False) -> dict[str, np.ndarray]:
         """The arrays of a model file; with `half` the weights are float16."""
@@ -315,12 +300,14 @@ class MotionManifold:
         filters = [arrays[f"b{n}"].size for n in range(1, count + 1)]
         # Before a network of these sizes is made:
         for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
-            numbers(arrays, f"w{number}", (taps, below, above))
-            numbers(arrays, f"b{number}", (above,))
-        lengths = numbers(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH)
+            array_file.numbers(arrays, f"w{number}", (taps, below, above))
+            array_file.numbers(arrays, f"b{number}", (above,))
+        lengths = array_file.numbers(arrays, "lengths", (len(JOINTS),), 0.0, array_file.MAX_LENGTH)
         if problem := problem_of_lengths(lengths):
             raise ValueError(f"lengths: {problem}")
-        bound = numbers(arrays, "bound", (), SMALLEST, 1 - SMALLEST)
+        bound = array_file.numbers(
+            arrays, "bound", (), array_file.SMALLEST, 1 - array_file.SMALLEST
+        )
         network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
         # The weights of the starter model are float16, to save space.
         dtype = np.promote_types(arrays["w1"].dtype, np.float32)
@@ -328,13 +315,13 @@ class MotionManifold:
             layer.w, layer.b = (arrays[f"{name}{number}"].astype(dtype) for name in "wb")
         return MotionManifold(
             network,
-            numbers(arrays, "mean_pose", (FEATURES,)),
-            numbers(arrays, "scale", (FEATURES,), SMALLEST),
+            array_file.numbers(arrays, "mean_pose", (FEATURES,)),
+            array_file.numbers(arrays, "scale", (FEATURES,), array_file.SMALLEST),
             lengths,
-            float(numbers(arrays, "rate", (), 1.0, MAX_RATE)),
-            json_object(arrays, "settings"),
-            bool(integer(arrays, "rescales", 0, 1)),
-            integer(arrays, "window", 1, MAX_FRAMES),
+            float(array_file.numbers(arrays, "rate", (), 1.0, array_file.MAX_RATE)),
+            array_file.json_object(arrays, "settings"),
+            bool(array_file.integer(arrays, "rescales", 0, 1)),
+            array_file.integer(arrays, "window", 1, array_file.MAX_FRAMES),
         )
 
     def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:
@@ -353,12 +340,12 @@ class MotionManifold:
     def _project_once(self, x: np.ndarray, average_shifts: bool) -> np.ndarray:
         """`project_shifted` of one window (1, T, 63), (T, 63); see `remembering`."""
         if self._pieces is None:
-            return project_shifted(self.network, x, average_shifts)[0]
+            return complete.project_shifted(self.network, x, average_shifts)[0]
         digest = blake2b(x.tobytes(), salt=bytes([average_shifts])).digest()
         if digest not in self._pieces:
             if len(self._pieces) == MAX_PIECES:
                 del self._pieces[next(iter(self._pieces))]
-            self._pieces[digest] = project_shifted(self.network, x, average_shifts)[0]
+            self._pieces[digest] = complete.project_shifted(self.network, x, average_shifts)[0]
         return self._pieces[digest]
 
     def _padded(self, features: np.ndarray) -> np.ndarray:
@@ -367,4 +354,4 @@ class MotionManifold:
 
     def _rescaled(self, x: np.ndarray) -> np.ndarray:
         """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""
-        return x / (1 - zeroed_fraction(x)) if self.rescales else x
+        return x / (1 - complete.zeroed_fraction(x)) if self.rescales else x

@@ -7,19 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import save_arrays
-from numpy_cae.manifold.model_arrays import (
-    MAX_FRAMES,
-    MAX_LENGTH,
-    MAX_RATE,
-    SMALLEST,
-    integer,
-    json_object,
-    numbers,
-)
+from numpy_cae import array_file
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.motion.angle_table import TABLES, AngleTable
-from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_floor
+from numpy_cae.motion import angles
 from numpy_cae.motion.clips import CLIP
 from numpy_cae.motion.motion import Motion
 
@@ -42,7 +32,7 @@ class SequenceManifold:
     mean, deviation : (54,) arrays of float64
         Mean and standard deviation of each column over all frames of all clips. The deviation of a
         constant column is 1: MBR17 drops such columns, but with them one table serves every rig.
-    table : AngleTable
+    table : angles.AngleTable
     offsets : (J, 3) array of float64
         Bones for drawing, metres; see `AngleSequence`.
     settings : dict
@@ -68,10 +58,10 @@ class SequenceManifold:
     network: SequentialAutoencoder
     mean: np.ndarray
     deviation: np.ndarray
-    table: AngleTable
+    table: angles.AngleTable
     offsets: np.ndarray
     settings: dict = field(default_factory=dict)
-    rate: float = ANGLE_RATE
+    rate: float = angles.ANGLE_RATE
     frames: int = CLIP
 
     def normalise(self, clips: np.ndarray) -> np.ndarray:
@@ -85,7 +75,7 @@ class SequenceManifold:
 
     def motion(self, clip: np.ndarray) -> Motion:
         """A normalised clip (F, 54) as a motion that stands on the floor."""
-        return on_floor(motion_of(self.denormalise(clip), self.table, self.offsets))
+        return angles.on_floor(angles.motion_of(self.denormalise(clip), self.table, self.offsets))
 
     def sample(self, count: int, rng: np.random.Generator) -> list[Motion]:
         """New motions of a clip's length, decoded from draws of the prior."""
@@ -96,7 +86,7 @@ class SequenceManifold:
 
         Raises FileError if the file cannot be written.
         """
-        save_arrays(self.arrays(), path)
+        array_file.save_arrays(self.arrays(), path)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The arrays of a model file."""
@@ -117,7 +107,7 @@ class SequenceManifold:
     @staticmethod
     def from_arrays(arrays: dict[str, np.ndarray]) -> "SequenceManifold":
         """The manifold of a model file's arrays; ValueError or KeyError where they do not fit."""
-        table = TABLES.get(str(arrays["table"]))
+        table = angles.TABLES.get(str(arrays["table"]))
         if table is None or not np.array_equal(arrays["columns"], table.columns):
             raise ValueError("its table of columns is not one of this version")
         latent, hidden = arrays["state_w"].shape
@@ -125,22 +115,28 @@ class SequenceManifold:
         if hidden**2 > sum(array.size for array in arrays.values()):
             raise ValueError("its weights are fewer than the width of state_w requires")
         network = SequentialAutoencoder(columns, hidden, latent)
-        network.burn_in = integer(arrays, "burn_in", 0, MAX_FRAMES)
+        network.burn_in = array_file.integer(arrays, "burn_in", 0, array_file.MAX_FRAMES)
         for name, weight in network.weights.items():
-            weight[...] = numbers(arrays, name, weight.shape)
+            weight[...] = array_file.numbers(arrays, name, weight.shape)
         return SequenceManifold(
             network,
-            numbers(arrays, "mean", (columns,)),
-            numbers(arrays, "deviation", (columns,), SMALLEST),
+            array_file.numbers(arrays, "mean", (columns,)),
+            array_file.numbers(arrays, "deviation", (columns,), array_file.SMALLEST),
             table,
-            numbers(arrays, "offsets", (len(table.joints), 3), -MAX_LENGTH, MAX_LENGTH),
-            json_object(arrays, "settings"),
-            float(numbers(arrays, "rate", (), 1.0, MAX_RATE)),
-            integer(arrays, "frames", 1, MAX_FRAMES),
+            array_file.numbers(
+                arrays,
+                "offsets",
+                (len(table.joints), 3),
+                -array_file.MAX_LENGTH,
+                array_file.MAX_LENGTH,
+            ),
+            array_file.json_object(arrays, "settings"),
+            float(array_file.numbers(arrays, "rate", (), 1.0, array_file.MAX_RATE)),
+            array_file.integer(arrays, "frames", 1, array_file.MAX_FRAMES),
         )
 
 
-def common_bones(sequences: Sequence[AngleSequence]) -> tuple[AngleTable, np.ndarray]:
+def common_bones(sequences: Sequence[angles.AngleSequence]) -> tuple[angles.AngleTable, np.ndarray]:
     """The table and the mean bones of motions that are learned together; ValueError if their rigs
     differ, since the same angles would be other poses."""
     table = sequences[0].table

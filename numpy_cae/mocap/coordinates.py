@@ -28,8 +28,7 @@ from typing import TypeVar
 import numpy as np
 
 from numpy_cae.mocap.rigs.rigs import RiggedMotion, own_rig
-from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.motion import Motion, Note, Skeleton
+from numpy_cae.motion import JOINTS, PARENTS, Motion, Note, Skeleton
 from numpy_cae.motion.quaternions import nearest, product
 
 INCH = 0.0254

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from numpy_cae.mocap.retarget.body import body_positions
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion import JOINTS, Motion
 
 LONGEST_SECONDS = 3.0
 """LONGEST_SECONDS: a T-pose lasts at most this (s)."""

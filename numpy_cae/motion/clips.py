@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.motion.angle_table import ANGLES, TRANSLATION
-from numpy_cae.motion.angles import AngleSequence, shortest_clips
+from numpy_cae.motion.angles import ANGLES, TRANSLATION, AngleSequence, shortest_clips
 
 CLIP = 50
 """Frames in a clip: two seconds."""

@@ -4,19 +4,139 @@ A rotation is interpolated as rotation vectors relative to the last known frame 
 
     R_t = R_a exp(x(t)),    x(t_k) = log(R_a⁻¹ R_k)  at the known frames t_k
 
-x is one of the curves of `motion.key_curves`, or a mean of them.
+x is one of the curves through keys below, or a mean of them.
+
+`pchip`, `cubic` and `slerp` are those of animation programs (`ROTATION_CURVES`). The speed of pchip
+and slerp at the ends of a hole differs from that of the motion. `with_speeds` adds to a curve c the
+difference between the speed v of the motion at an end of the hole and the slope of the curve. With
+t the time from that end and T at most the duration of the hole:
+
+    x(t) = c(t) + (v - c'(0)) t (1 - |t| / T)²,  |t| < T
+
+So value and speed are continuous at both ends. With PCHIP and T the duration of the hole this is
+the cubic through values and speeds at both ends.
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from numpy_cae.motion import quaternions
 from numpy_cae.motion.angles import unwrapped
-from numpy_cae.motion.key_curves import Curve, eased
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import RATE
-from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, slerp, to_vector
+
+EASE_SECONDS = 2 / 3
+"""EASE_SECONDS: T of the module's equation (s) for the curve "eased", chosen among 0.13 to 0.8 s
+(docs/lab_book/filling.md)."""
+BRIEF_SECONDS = 0.1
+"""BRIEF_SECONDS: T (s) for other curves: their speed does not jump, and little else changes."""
+Curve = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""A curve through keys: their times (K,) in seconds, ascending, their values (K, N, C), and the
+times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant."""
+
+
+def pchip(
+    keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
+) -> np.ndarray:
+    """The monotone cubic of Fritsch and Butland (1984) through all keys, or a derivative of it: no
+    overshoot."""
+    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
+
+    if len(keys) == 1:
+        return np.repeat(values, len(times), axis=0)
+    return PchipInterpolator(keys, values)(np.clip(times, keys[0], keys[-1]), derivative)
+
+
+def cubic(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The cubic spline through all keys, with continuous acceleration."""
+    from scipy.interpolate import CubicSpline
+
+    if len(keys) == 1:
+        return np.repeat(values, len(times), axis=0)
+    return CubicSpline(keys, values)(np.clip(times, keys[0], keys[-1]))
+
+
+def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Linear between the two keys next to the hole: for rotation vectors relative to the first of
+    the two this is spherical interpolation."""
+    after = int(np.clip(np.searchsorted(keys, times[0]), 1, max(len(keys) - 1, 1)))
+    first = max(after - 1, 0)
+    last = min(after, len(keys) - 1)
+    share = np.clip((times - keys[first]) / max(keys[last] - keys[first], 1e-9), 0.0, 1.0)
+    return values[first] + share[:, None, None] * (values[last] - values[first])
+
+
+def slerp_slope(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The slope of `slerp` at the two keys next to the hole, `times` (2,)."""
+    first, last = np.searchsorted(keys, times)
+    return (values[[last, last]] - values[[first, first]]) / (keys[last] - keys[first])
+
+
+def with_speeds(curve: Curve, slope: Curve, longest: float) -> Curve:
+    """The curve with the speeds at both ends of the hole, by the module's equation, T <= longest.
+
+    `slope` gives the slope of the curve at the two keys next to the hole. Where the frames around
+    the hole do not give its speed (`speed_at`), the curve is unchanged.
+    """
+
+    def changed(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+        result = curve(keys, values, times)
+        after = int(np.searchsorted(keys, times[0]))
+        duration = longest
+        slopes = np.zeros((2, *values.shape[1:]))  # of the constant outside of the keys
+        if 0 < after < len(keys):
+            ends = keys[after - 1 : after + 1]
+            duration = min(longest, ends[1] - ends[0])
+            slopes = slope(keys, values, ends)
+        outwards = (slice(after - 1, None, -1) if after else slice(0), slice(after, None))
+        for side, slope_there in zip(outwards, slopes, strict=True):
+            speed = speed_at(keys[side], values[side])
+            if speed is not None:
+                t = (times - keys[side][0])[:, None, None]
+                ramp = np.clip(1 - np.abs(t) / duration, 0.0, None) ** 2
+                result += (speed - slope_there) * t * ramp
+        return result
+
+    return changed
+
+
+def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
+    """The speed (N, C) at the first of some keys: the derivative of the parabola through it and
+    the keys 1/30 s and 2/30 s away. None where these are not successive frames: speeds between
+    sparse keyframes are PCHIP's."""
+    if len(times) < 3:
+        return None
+    step = max(1, round(1 / (RATE * abs(times[1] - times[0]))))
+    if len(times) <= 2 * step or abs(times[2 * step] - times[0]) > 2.5 / RATE:
+        return None
+    x0, x1, x2 = values[[0, step, 2 * step]]
+    return (3 * x0 - 4 * x1 + x2) / (times[0] - times[2 * step])
+
+
+ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
+pchip_slope = partial(pchip, derivative=1)
+eased = with_speeds(pchip, pchip_slope, EASE_SECONDS)
+CURVES: dict[str, Curve] = {
+    "eased": eased,
+    "pchip": with_speeds(pchip, pchip_slope, BRIEF_SECONDS),
+    "cubic": cubic,
+    "slerp": with_speeds(slerp, slerp_slope, BRIEF_SECONDS),
+}
+"""CURVES: the curves of `fill` and `repair`; the speed jumps in none of them."""
+
+
+def mean_curve(weights: np.ndarray) -> Curve:
+    """The mean of `CURVES` with these weights, (4,), whose sum is 1."""
+
+    def curve(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+        parts = [x(keys, values, times) for x in CURVES.values()]
+        return np.tensordot(weights, parts, axes=1)
+
+    return curve
+
 
 EVERY = slice(None)
 """EVERY: all frames."""
@@ -57,12 +177,12 @@ def rotations_over_holes(
 ) -> np.ndarray:
     """The same for rotations as quaternions (F, N, 4); see the equation of the module."""
     filled = np.array(rotations[frames])
-    filled[:, np.flatnonzero(missing.all(axis=0))] = IDENTITY
+    filled[:, np.flatnonzero(missing.all(axis=0))] = quaternions.IDENTITY
     for hole in _holes(missing, rate):
         start, vectors = _relative_vectors(rotations, hole)
         curve = curve_at(hole.columns[0], hole.first)
         inside = curve(hole.keys / rate, vectors, hole.times(rate))
-        _put(product(start, from_vector(inside)), filled, hole, frames)
+        _put(quaternions.product(start, quaternions.from_vector(inside)), filled, hole, frames)
     return filled
 
 
@@ -101,7 +221,9 @@ def _relative_vectors(rotations: np.ndarray, hole: _Hole) -> tuple[np.ndarray, n
     before = int(np.searchsorted(hole.keys, hole.first))
     last = max(before - 1, 0)
     start = rotations[hole.keys[last], hole.columns]
-    vectors = to_vector(product(inverse(start), rotations[np.ix_(hole.keys, hole.columns)]))
+    vectors = quaternions.to_vector(
+        quaternions.product(quaternions.inverse(start), rotations[np.ix_(hole.keys, hole.columns)])
+    )
     for side in (vectors[:before][::-1], vectors[last:]):
         if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
             side[...] = unwrapped(side)
@@ -130,7 +252,7 @@ def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np
     corrections that would join its first and its last frame to the frames outside, and s runs from
     0 to 1 over the stretch:
 
-        R'_t = R_t · slerp(D_first, D_last; s),   D = R⁻¹ · (R continued from outside)
+        R'_t = R_t · quaternions.slerp(D_first, D_last; s),   D = R⁻¹ · (R continued from outside)
 
     This keeps the details in between, and it restores a joint that is frozen or off by a constant
     rotation.
@@ -139,7 +261,7 @@ def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np
     for first, end in runs(damaged).tolist():
         if end - first <= SHORT_SECONDS * rate and first > 0 and end < len(rotations):
             share = np.arange(1, end - first + 1) / (end - first + 1)
-            changed[first:end] = slerp(rotations[first - 1], rotations[end], share)
+            changed[first:end] = quaternions.slerp(rotations[first - 1], rotations[end], share)
         else:
             changed[first:end] = rejoined(rotations, first, end)
     return changed
@@ -152,15 +274,19 @@ def rejoined(rotations: np.ndarray, first: int, end: int) -> np.ndarray:
     # [1::-1]: the first two frames after the stretch, in reverse order.
     before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
     ends = ((inside[0], before), (inside[-1], after))
-    corrections = [product(inverse(now), to) for now, to in ends if to is not None]
+    corrections = [
+        quaternions.product(quaternions.inverse(now), to) for now, to in ends if to is not None
+    ]
     if not corrections:
         return inside
     share = np.linspace(0, 1, end - first)
-    return product(inside, slerp(corrections[0], corrections[-1], share))
+    return quaternions.product(inside, quaternions.slerp(corrections[0], corrections[-1], share))
 
 
 def _continued(last: np.ndarray) -> np.ndarray | None:
     """The rotation that continues the `last` one or two, (1 or 2, 4); None if there are none."""
     if len(last) == 0:
         return None
-    return product(product(last[-1], inverse(last[0])), last[-1])
+    return quaternions.product(
+        quaternions.product(last[-1], quaternions.inverse(last[0])), last[-1]
+    )

@@ -37,9 +37,8 @@ from numpy_cae.motion.features import (
     local_positions,
     positions_to_features,
 )
-from numpy_cae.motion.hole_curves import CurveAt, eased_everywhere
+from numpy_cae.motion.hole_curves import CURVES, Curve, CurveAt, eased, eased_everywhere, mean_curve
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.key_curves import CURVES, Curve, eased, mean_curve
 from numpy_cae.motion.masks import at_thirty, run_numbers, runs
 from numpy_cae.motion.motion import RATE, Motion
 from numpy_cae.repair.finding import Finding

@@ -5,9 +5,9 @@ epochs and batches is `TrainingState.steps_of`. `checkpoint` saves this state, a
 functions are given it.
 """
 
-from numpy_cae.training.adam import Adam
 from numpy_cae.training.checkpoint import Checkpoint, CheckpointError
 from numpy_cae.training.layerwise import train_autoencoder
+from numpy_cae.training.optimisers import Adam, clip_norm
 from numpy_cae.training.progress import ProgressPrinter
 from numpy_cae.training.schedule import (
     RECIPES,
@@ -18,7 +18,6 @@ from numpy_cae.training.schedule import (
     recipe,
 )
 from numpy_cae.training.sequential import train_sequential
-from numpy_cae.training.sgd import clip_norm
 from numpy_cae.training.state import DivergedError, History, TrainingState
 from numpy_cae.training.step import unit_directions, zero_values
 

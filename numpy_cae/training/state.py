@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.training.adam import Adam
+from numpy_cae.training.optimisers import Adam, Sgd
 from numpy_cae.training.schedule import SequenceSchedule, Stage, rate_at
-from numpy_cae.training.sgd import Sgd
 
 HELD_OUT = "held-out error, cm"
 """HELD_OUT: the name in a history of the errors on takes that are not trained on, by epoch."""

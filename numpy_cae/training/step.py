@@ -9,10 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder, ConvLayer, Losses, SequentialAutoencoder
-from numpy_cae.training.adam import Adam
 from numpy_cae.training.corruption import damage_stretches
+from numpy_cae.training.optimisers import Adam, Sgd, clip_norm
 from numpy_cae.training.schedule import SequenceSchedule, Stage
-from numpy_cae.training.sgd import Sgd, clip_norm
 
 Masks = Sequence[np.ndarray]
 """The masks of `ops.unpool_random`, one for each layer that is trained."""

@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from numpy_cae.fast import accelerate
-from numpy_cae.manifold.shifted_projection import project_shifted
+from numpy_cae.manifold.complete import project_shifted
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Stage
-from numpy_cae.training.adam import Adam
+from numpy_cae.training.optimisers import Adam
 from numpy_cae.training.schedule import rate_at
 from numpy_cae.training.step import denoising_step
 from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, add_residual, gaussian_process

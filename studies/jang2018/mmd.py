@@ -15,7 +15,7 @@ Since dk/da = 2 k'(d) (a - b) with k'(d) = -Σ_s C_s / (C_s + d)²,
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.fast.sequence_engine import SequenceEngine
+from numpy_cae.fast.fast_sequential_autoencoder import SequenceEngine
 from numpy_cae.models.sequential_autoencoder import Losses, Weights
 from numpy_cae.ops.shapes import Pullback
 

@@ -16,12 +16,12 @@ from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation.clips import Clips
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import learn_manifold
+from numpy_cae.manifold.complete import zeroed_fraction
 from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
-from numpy_cae.manifold.shifted_projection import zeroed_fraction
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import cut_clips, cut_windows, draw_clips
-from numpy_cae.training.adam import BETA_2
 from numpy_cae.training.layerwise import autoencoder_steps
+from numpy_cae.training.optimisers import BETA_2
 from numpy_cae.training.sequential import Draw, sequential_steps
 from studies.jang2018.actions import synthetic_action
 from studies.shared.material import Material, testing_of

@@ -16,9 +16,8 @@ from test_grading_and_marks import DATA, hand_in
 
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
-from numpy_cae.course.copies import student_copy
+from numpy_cae.course.copies import find_lessons, number_of, read_notebook, student_copy
 from numpy_cae.course.mine import run
-from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise

@@ -13,12 +13,11 @@ import pytest
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
-from numpy_cae.course.copies import PACKAGED
-from numpy_cae.course.marks.feedback import write_feedback
+from numpy_cae.course.copies import PACKAGED, find_lessons, number_of, read_notebook
+from numpy_cae.course.marks.class_marks import write_feedback
 from numpy_cae.course.marks.handed_in import find_files, handed_in
 from numpy_cae.course.marks.roster import read_roster
 from numpy_cae.course.marks.tables import write_tables
-from numpy_cae.course.notebook import find_lessons, number_of, read_notebook
 from numpy_cae.verify.grading.student_file import FileReport, grade
 from numpy_cae.visible import visible
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from numpy_cae import course
-from numpy_cae.course.catalogue import EXERCISES, diagnosis
-from numpy_cae.course.mistakes import patches_of, wrong_function
+from numpy_cae.course.catalogue import EXERCISES, diagnosis, patches_of, wrong_function
 from numpy_cae.course.suspects import SUSPECTS
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import bugs_of

@@ -8,8 +8,7 @@ import pytest
 from test_grading_and_marks import DATA
 
 from numpy_cae.cli import main
-from numpy_cae.course.copies import student_copy
-from numpy_cae.course.notebook import find_lessons, read_notebook, write_notebook
+from numpy_cae.course.copies import find_lessons, read_notebook, student_copy, write_notebook
 
 LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
 HEAD = 'def double(x):\n    """Twice x."""\n    '

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course.notebook import find_lessons, read_notebook
+from numpy_cae.course.copies import find_lessons, read_notebook
 from tools.execute_lessons import execute, mine_before
 
 LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")

@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from numpy_cae.evaluation import PCA, gaussian
-from numpy_cae.evaluation.gaussian import Gaussian, contexts, filtered
+from numpy_cae.evaluation import PCA, baselines
+from numpy_cae.evaluation.baselines import Gaussian, contexts, filtered
 from numpy_cae.evaluation.half_removed import by_column
-from numpy_cae.manifold.spline import interpolated
+from numpy_cae.manifold.complete import interpolated
 
 
 @pytest.mark.parametrize("shape", [(400, 63), (60, 300)])
@@ -31,9 +31,9 @@ def test_the_axes_are_those_of_a_singular_value_decomposition(shape):
 @pytest.fixture
 def windows(monkeypatch):
     """Smooth and correlated, like motion: sums of slow waves; rows of three frames, no ridge."""
-    monkeypatch.setattr(gaussian, "TAPS", 3)
-    monkeypatch.setattr(gaussian, "TOGETHER", 1)
-    monkeypatch.setattr(gaussian, "RIDGE", 0.0)
+    monkeypatch.setattr(baselines, "TAPS", 3)
+    monkeypatch.setattr(baselines, "TOGETHER", 1)
+    monkeypatch.setattr(baselines, "RIDGE", 0.0)
     rng = np.random.default_rng(0)
     t = np.arange(40) / 40
     waves = np.stack([np.sin(2 * np.pi * (k * t + rng.random((30, 1)))) for k in (1, 2, 3)], -1)
@@ -63,7 +63,7 @@ def test_the_gaussian_estimates_the_conditional_mean_of_seven_frames_in_fifteen(
     rows = np.pad(x, ((0, 0), (7, 7), (0, 0)))
     rows = np.stack([rows[n, t : t + 15].ravel() for n in range(60) for t in range(23)])
     mean, covariance = rows.mean(axis=0), np.cov(rows.T, bias=True)
-    covariance += gaussian.RIDGE * np.diag(covariance).mean() * np.eye(30)
+    covariance += baselines.RIDGE * np.diag(covariance).mean() * np.eye(30)
     known = rng.random((23, 2)) < 0.5
     known[15:] = True
     expected = x[0].copy()

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from numpy_cae.fast import accelerate, fast_conv_autoencoder, sequence_engine
+from numpy_cae.fast import accelerate, fast_conv_autoencoder, fast_sequential_autoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import unit_directions
 
@@ -20,7 +20,7 @@ BOTH = pytest.mark.parametrize("kind", ["conv", "sequential"])
 def always_use_threads(monkeypatch):
     """Small networks would use one thread; here they use as many as they are given."""
     monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
-    monkeypatch.setattr(sequence_engine, "MIN_STATES_PER_THREAD", 1)
+    monkeypatch.setattr(fast_sequential_autoencoder, "MIN_STATES_PER_THREAD", 1)
 
 
 def drawn_conv(

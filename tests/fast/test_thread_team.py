@@ -2,8 +2,7 @@
 
 import pytest
 
-from numpy_cae.fast.blas import _openblas, blas_threads, one_blas_thread
-from numpy_cae.fast.thread_team import share, thread_team
+from numpy_cae.fast.thread_team import _openblas, blas_threads, one_blas_thread, share, thread_team
 
 
 def test_a_worker_that_fails_releases_the_others_and_raises_its_error():

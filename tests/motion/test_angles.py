@@ -14,8 +14,14 @@ from numpy_cae.mocap.formats.expmap import HUMAN36M, read_expmap
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion import cut_clips, draw_clips, motion_of
-from numpy_cae.motion.angle_table import ANGLES, HUMAN36M_TABLE, SEVENTEEN, TRANSLATION
-from numpy_cae.motion.angles import shortest_clips, unwrapped
+from numpy_cae.motion.angles import (
+    ANGLES,
+    HUMAN36M_TABLE,
+    SEVENTEEN,
+    TRANSLATION,
+    shortest_clips,
+    unwrapped,
+)
 
 
 @pytest.fixture(scope="module")

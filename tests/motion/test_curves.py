@@ -5,9 +5,8 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.motion import JOINTS
-from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
+from numpy_cae.motion.hole_curves import CURVES, over_holes, rotations_over_holes
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
 from numpy_cae.repair.interpolated import unknown_channels
 

@@ -7,8 +7,8 @@ import numpy as np
 from data_synth import make_take
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.motion import JOINTS
+from numpy_cae.motion.hole_curves import CURVES
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.motion.key_curves import CURVES
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
 from numpy_cae.repair.holes import PRIOR_TRIALS, curves_and_strengths, trials_in, weights
 from numpy_cae.repair.interpolated import on_curves

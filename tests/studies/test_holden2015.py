@@ -5,7 +5,7 @@ import pytest
 
 from numpy_cae.evaluation.clips import clips_of
 from numpy_cae.evaluation.half_removed import DAMAGED, GAUSSIAN, LINEAR
-from numpy_cae.motion.key_curves import ROTATION_CURVES
+from numpy_cae.motion.hole_curves import ROTATION_CURVES
 from studies import interpolation
 from studies.filling_in import NETWORK
 from studies.interpolation import ALONG, ENDS

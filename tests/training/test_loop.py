@@ -14,8 +14,8 @@ from numpy_cae.training import (
     ProgressPrinter,
     TrainingState,
     layerwise,
+    optimisers,
     progress,
-    sgd,
     step,
 )
 from numpy_cae.training.layerwise import train_autoencoder
@@ -167,7 +167,7 @@ def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
         used.append(np.sqrt(sum(float(np.sum(each**2)) for each in gradients)))
 
     monkeypatch.setattr(step, "clip_norm", lambda *of: clipped.append(clip_norm(*of)))
-    monkeypatch.setattr(sgd.Sgd, "update", update)
+    monkeypatch.setattr(optimisers.Sgd, "update", update)
     trained(sequence(norm=0.05, epochs=1))
     assert max(clipped) > 0.05  # or there was nothing to clip
     np.testing.assert_allclose(used, np.minimum(clipped, 0.05), rtol=1e-4)
@@ -182,7 +182,7 @@ def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
 )
 def test_the_rate_decays_by_the_epoch(monkeypatch, schedule):
     rates = []
-    monkeypatch.setattr(sgd.Sgd, "update", lambda self, gradients, rate: rates.append(rate))
+    monkeypatch.setattr(optimisers.Sgd, "update", lambda self, gradients, rate: rates.append(rate))
     trained(schedule)
     assert rates == [0.4, 0.4, 0.2, 0.2, 0.1, 0.1]
 
@@ -232,7 +232,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
     for chosen in ([0], [1], [0, 1]):
         model, x = new_model(Schedule()), WINDOWS[chosen]
         before = model.layers[0].w.copy()
-        step.denoising_step(model, x, x, None, stage, 0.1, sgd.Sgd(model.parameters))
+        step.denoising_step(model, x, x, None, stage, 0.1, optimisers.Sgd(model.parameters))
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 

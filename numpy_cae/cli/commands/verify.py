@@ -79,7 +79,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     """Grade the files, write what the options name, and print the reports or who has which."""
     from numpy_cae.cli.shared.output import with_progress
     from numpy_cae.course import catalogue
-    from numpy_cae.course.marks.class_marks import ClassMarks
+    from numpy_cae.course.marks.class_marks import ClassMarks, write_feedback
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
     marks = ClassMarks.read(files, args.roster, args.late)
@@ -101,7 +101,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     if args.similar:
         print("\n".join(marks.similar()))
     if args.feedback:
-        marks.write_feedback(args.feedback, graded)
+        write_feedback(args.feedback, marks.by_student(graded))
     if args.csv:
         marks.write_tables(args.csv, graded)
     return 0 if all(report.held for report in graded) else 1

@@ -1,21 +1,77 @@
-"""What `repair` and `fill` share: each file is loaded, changed, written and reported."""
+"""What `repair` and `fill` share: each file is loaded, changed, written and reported.
+
+Their pages show before and after of one file, and an index of several.
+"""
 
 import argparse
+import os
+import urllib.parse
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 from shlex import quote
+from string import Template
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from numpy_cae.cli.shared import arguments, files, pages
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError
 from numpy_cae.mocap.load import FileMotion, load_motion
+from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.repair import repaired as report
+from numpy_cae.repair.repaired import count
+from numpy_cae.visible import visible
+from numpy_cae.viz import before_and_after, save_viewer, strip_svg
+from numpy_cae.viz.viewer import page_text
+
+
+class Row(NamedTuple):
+    """What became of one file, for its line in the terminal and its row in the index.
+
+    The numbers are: findings, seconds that were changed, seconds, frames with a jump before and
+    after; `said` are these in words.
+    """
+
+    source: Path
+    numbers: tuple[float, ...]
+    said: str
+    status: int
+    page: Path | None = None
+    strip: str = ""
+
+
+def write_page(page: Path, motion: Motion, repaired: Repaired, **shown: Any) -> str:
+    """Write the page of a motion before and after, with `shown` as in `save_viewer`; return the
+    strip of its row in the index."""
+    actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
+    entries = [finding.to_json() for finding in repaired.listed()]
+    save_viewer(actors, page, motion.rate, overlaid=True, findings=entries, **shown)
+    changed = np.flatnonzero(repaired.touched.any(axis=1)) + len(motion) - len(repaired.motion)
+    return strip_svg(actors, changed)
+
+
+def write_index(page: Path, rows: Sequence[Row]) -> None:
+    """Write the page that lists all files, those with most frames that jump first."""
+    lines = []
+    for row in sorted(rows, key=lambda row: row.numbers[::-1], reverse=True):
+        name = escape(visible(row.source.name))
+        if row.page:
+            address = os.fsencode(row.page.relative_to(page.parent).as_posix())
+            name = f'<a href="{urllib.parse.quote(address)}">{name}</a>'
+        said = "".join(f"<td>{escape(cell)}</td>" for cell in row.said.split(", "))
+        lines.append(f"<tr><th scope=row>{name}</th><td>{row.strip}</td>{said}</tr>")
+    title = f"{count(len(rows), 'file')}: before and after"
+    text = Template(page_text("index.html")).substitute(title=title, rows="\n".join(lines))
+    with atomic_write(page) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
 
 Progress = Callable[[float], None]
 """Takes the share of a repair that is done."""
@@ -60,7 +116,7 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion, Progress], 
     targets = files.targets_of(args)
     single = files.is_single(args)
     reading = arguments.reading(args)
-    rows: list[pages.Row] = []
+    rows: list[Row] = []
     unusable: list[str] = []
     with working(str(args.files[0]) if single else report.count(len(targets), "file")) as is_done:
         for number, (source, target) in enumerate(targets.items()):
@@ -87,7 +143,7 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion, Progress], 
         print(f"{report.count(len(rows), 'file')}: {in_words(together)}")
         if args.html and not args.dry_run:
             index = args.output / "index.html"
-            pages.write_index(index, rows)
+            write_index(index, rows)
             print(f"{index}: all of them; open it in a browser")
     if unusable:
         print(f"\n{len(unusable)} of {len(targets)} files could not be used:", *unusable, sep="\n")
@@ -96,7 +152,7 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion, Progress], 
 
 def _changed(
     args: argparse.Namespace, source: Path, target: Path | None, motion: Motion, repaired: Repaired
-) -> pages.Row:
+) -> Row:
     """Write a changed motion, its page and its findings, and print what was changed."""
     status = _status(args, motion, repaired)
     advised = args.command == "repair" and not (args.source or args.smooth or args.feet)
@@ -120,7 +176,7 @@ def _changed(
         written[page] = "not written, since nothing was changed"
         if not status or repaired.listed():
             own = _heading(args, source, target, repaired)
-            strip = pages.write_page(page, motion, repaired, summary=said, measures=changes, **own)
+            strip = write_page(page, motion, repaired, summary=said, measures=changes, **own)
             row = row._replace(page=page, strip=strip)
             written[page] = "before and after; open it in a browser"
     if getattr(args, "findings", None):
@@ -136,11 +192,11 @@ def _changed(
     return row
 
 
-def _row(source: Path, repaired: Repaired, values: report.Measures, status: int) -> pages.Row:
+def _row(source: Path, repaired: Repaired, values: report.Measures, status: int) -> Row:
     motion = repaired.motion
     changed = np.count_nonzero(repaired.touched.any(axis=1)) / motion.rate
     numbers = (len(repaired.findings), changed, motion.seconds, *values[0][1:])
-    return pages.Row(source, numbers, in_words(numbers), status)
+    return Row(source, numbers, in_words(numbers), status)
 
 
 def in_words(numbers: Sequence[float]) -> str:

@@ -1,18 +1,55 @@
-"""The marks of a class: its files, its roster, and what is written about them."""
+"""The marks of a class: its files, its roster, and what is written about them.
 
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
+Each student gets a file of feedback.
+"""
+
+import os
+import re
+import textwrap
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from numpy_cae.course.marks import feedback, tables
+from numpy_cae.atomic_write import atomic_write
+from numpy_cae.course.marks import tables
 from numpy_cae.course.marks.handed_in import HandedIn
-from numpy_cae.course.marks.matching import Matching, match
-from numpy_cae.course.marks.roster import Roster, decoded, read_roster, squashed
+from numpy_cae.course.marks.roster import Matching, Roster, decoded, match, read_roster, squashed
 from numpy_cae.course.marks.similar import similar_pairs
 from numpy_cae.verify.grading.student_file import FileReport
 from numpy_cae.verify.grading.submission import read_submission
-from numpy_cae.visible import csv_cell
+from numpy_cae.visible import csv_cell, visible
+
+LONGEST_NAME = 50
+"""LONGEST_NAME: a file of feedback has so many characters of the student's name; a character may
+take four bytes, and systems allow 255 in a name."""
+INDENT = " " * 4  # a block of code in Markdown, whose text does nothing else
+
+
+def write_feedback(folder: Path, of_students: Mapping[str, Sequence[FileReport]]) -> None:
+    """Write one Markdown file for each student, with the report on each exercise.
+
+    A file is named after the student. If the name has other characters than letters, digits, _ and
+    -, is long or differs from another only in its capitals, a dot and a number follow.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    counts = Counter(student.casefold() for student in of_students)
+    for number, (student, files) in enumerate(of_students.items(), 1):
+        lines = []
+        for each in files:
+            lines += [f"# {each.points} of {each.possible} points", ""]
+            problems = "\n".join([each.path.name, *each.faults])
+            lines += [textwrap.indent(problems, INDENT), ""]
+            for report in each.reports:
+                title = f"## {report.operation}: {report.points} of {report.possible} points"
+                lines += [title, "", textwrap.indent(str(report), INDENT), ""]
+        safe = re.sub(r"[^\w-]", "_", student)[:LONGEST_NAME]
+        # No safe name has a dot, so that one with a number is nobody else's.
+        is_unique = safe == student and counts[student.casefold()] == 1
+        name = f"{safe}.md" if is_unique else f"{safe}.{number}.md"
+        file_name = os.fsdecode(name.encode("utf-8", "surrogateescape"))  # UTF-8 in every locale
+        with atomic_write(folder / file_name) as temporary:
+            temporary.write_text(visible("\n".join(lines)), encoding="utf-8")
 
 
 @dataclass(frozen=True)
@@ -42,7 +79,7 @@ class ClassMarks:
     def lines(self, graded: Sequence[FileReport]) -> Iterator[str]:
         """Who was matched by what, and the points of each file."""
         yield from self.matching.lines()
-        for student, reports in self._by_student(graded).items():
+        for student, reports in self.by_student(graded).items():
             for each in reports:
                 yield f"{student}: {each.path.name}: {each.points} of {each.possible} points"
 
@@ -55,16 +92,12 @@ class ClassMarks:
         for share, one, other in similar_pairs(submissions):
             yield f"  {share:4.0%}  {one}  {other}"
 
-    def write_feedback(self, folder: Path, graded: Sequence[FileReport]) -> None:
-        """Write a file of feedback for each student."""
-        feedback.write_feedback(folder, self._by_student(graded))
-
     def write_tables(self, path: Path, graded: Sequence[FileReport]) -> None:
         """Write the table of marks and, with a roster, the file to import.
 
         Raises a ValueError in place of that file if most submissions or most rows have no match.
         """
-        table = tables.write_tables(path, self._by_student(graded), self.roster, self.late)
+        table = tables.write_tables(path, self.by_student(graded), self.roster, self.late)
         if self.roster is None:
             return
         imported = path.with_stem(f"{path.stem}_import")
@@ -77,7 +110,7 @@ class ClassMarks:
             raise ValueError(f"{imported} is not written: {empty} rows of the roster have no marks")
         tables.write_import(imported, self.roster, table)
 
-    def _by_student(self, graded: Sequence[FileReport]) -> dict[str, list[FileReport]]:
+    def by_student(self, graded: Sequence[FileReport]) -> dict[str, list[FileReport]]:
         """The reports on the files of each student, by name."""
         found = defaultdict(list)
         for each, report in zip(self.files, graded, strict=True):

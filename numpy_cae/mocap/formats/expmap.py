@@ -23,8 +23,7 @@ import numpy as np
 
 from numpy_cae.mocap.coordinates import CMU_UNIT, require_unit, unit_name
 from numpy_cae.mocap.formats.text_file import MAX_LINE, TextFile
-from numpy_cae.motion import quaternions
-from numpy_cae.motion.motion import Motion, Note, Skeleton
+from numpy_cae.motion import Motion, Note, Skeleton, quaternions
 
 
 class ExpmapRig(NamedTuple):

@@ -11,14 +11,8 @@ import numpy as np
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
-from numpy_cae.motion import (
-    bone_lengths,
-    change_lengths,
-    features_to_positions,
-    positions_to_features,
-)
-from numpy_cae.motion.features import RootTransform, problem_of
-from numpy_cae.motion.motion import RATE, Motion
+from numpy_cae.motion import RATE, Motion, bone_lengths, change_lengths, positions_to_features
+from numpy_cae.motion.features import RootTransform, features_to_positions, problem_of
 
 
 def body_positions(motion: Motion) -> np.ndarray:

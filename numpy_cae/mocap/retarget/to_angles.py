@@ -12,13 +12,10 @@ import numpy as np
 from numpy_cae.mocap.formats.expmap import HUMAN36M
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.t_pose import leading_t_pose
-from numpy_cae.motion import quaternions
-from numpy_cae.motion.angle_table import HUMAN36M_TABLE, SEVENTEEN, AngleTable
-from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, unwrapped
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion import Motion, angles, quaternions
 
 
-def angles_of(motion: Motion) -> AngleSequence:
+def angles_of(motion: Motion) -> angles.AngleSequence:
     """A motion as 54 numbers for each frame, at 25 frames a second and without a leading T-pose.
 
     Parameters
@@ -44,11 +41,11 @@ def angles_of(motion: Motion) -> AngleSequence:
     """
     # Human3.6M's own table for its text, seventeen joints for every other rig.
     is_human36m = motion.skeleton.names == HUMAN36M.skeleton.names
-    table = HUMAN36M_TABLE if is_human36m else SEVENTEEN
+    table = angles.HUMAN36M_TABLE if is_human36m else angles.SEVENTEEN
     found = joints_in(table, motion)
     pose = leading_t_pose(motion)
     motion = motion.at(slice(pose.frames, None)) if pose else motion
-    motion = motion.resampled(ANGLE_RATE)
+    motion = motion.resampled(angles.ANGLE_RATE)
     positions, rotations = motion.forward_kinematics()
     vectors = np.zeros((len(motion), len(found), 3))
     offsets = np.zeros((len(found), 3))
@@ -60,13 +57,13 @@ def angles_of(motion: Motion) -> AngleSequence:
             offsets[joint] = quaternions.rotate(inverse, offset).mean(axis=0)
             local = quaternions.product(inverse, local)
         vectors[:, joint] = quaternions.to_vector(local)
-    angles = unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
-    return AngleSequence(np.hstack([positions[:, found[0]], angles]), table, offsets)
+    turned = angles.unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
+    return angles.AngleSequence(np.hstack([positions[:, found[0]], turned]), table, offsets)
 
 
-def joints_in(table: AngleTable, motion: Motion) -> list[int]:
+def joints_in(table: angles.AngleTable, motion: Motion) -> list[int]:
     """The indices of the joints of a table in a motion; UnknownRigError if any is missing."""
-    if table is HUMAN36M_TABLE:
+    if table is angles.HUMAN36M_TABLE:
         return [motion.skeleton.index(joint) for joint in table.joints]
     found = rig_of(motion).found
     # The neck is the first joint on the way from the chest to the head, whatever its name. In rigs

@@ -21,9 +21,8 @@ import numpy as np
 from numpy_cae.mocap.rigs import rigs
 from numpy_cae.mocap.rigs.rigs import Mappings, Rig, RiggedMotion, UnknownRigError
 from numpy_cae.mocap.rigs.suggest import suggest_mapping
+from numpy_cae.motion import JOINTS, PARENTS, Motion, Note, Skeleton
 from numpy_cae.motion.features import frame_lengths
-from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.motion import Motion, Note, Skeleton
 from numpy_cae.motion.quaternions import IDENTITY, inverse, rotate
 
 _POSES = 100

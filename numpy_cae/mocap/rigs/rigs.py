@@ -28,8 +28,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion, Skeleton
+from numpy_cae.motion import JOINTS, Motion, Skeleton
 
 Names = dict[str, tuple[str, ...]]
 """For each of our joint names, the names that it may have in a rig, the usual one first."""

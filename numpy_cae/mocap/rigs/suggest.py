@@ -12,8 +12,7 @@ from itertools import combinations, pairwise, product
 import numpy as np
 
 from numpy_cae.mocap.rigs.rigs import add_trunk, left_or_right
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Skeleton
+from numpy_cae.motion import JOINTS, Skeleton
 
 _MAX_JOINTS = 1000
 """_MAX_JOINTS: nothing is suggested for a skeleton with more joints."""
