@@ -9,7 +9,8 @@ a result depends on the number of threads and on nothing else.
 threads. Two Python threads that each start two BLAS threads on two cores are slower than one, so a
 team sets BLAS to one thread while it works. NumPy has no function for that; calling OpenBLAS takes
 a few lines of ctypes (the package `threadpoolctl` does the same for every BLAS, but is one more
-dependency). If NumPy uses another BLAS, `blas_threads` returns None and a team has one thread. """
+dependency). If NumPy uses another BLAS, `blas_threads` returns None and a team has one thread.
+"""
 
 import ctypes
 import os

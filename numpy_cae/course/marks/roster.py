@@ -4,7 +4,8 @@ It may be in UTF-8, UTF-16 or Windows-1252 and have commas, semicolons or tabs b
 it is written back in the same form. A list of names, one a line, is a table, too.
 
 `match` finds who in the roster handed what in, by every name and number that a file and a row
-share. """
+share.
+"""
 
 import codecs
 import csv
