@@ -48,8 +48,8 @@ RECIPES = training.RECIPES | {
 COMMON = ("epochs", "rate", "batch")
 CONVOLUTIONAL = ("window", "filters")
 SEQUENTIAL = ("steps", "hidden", "latent", "frames")
-"""SEQUENTIAL: the options of the sequential model alone, CONVOLUTIONAL of the other, COMMON of both;
-the recipe sets what has no default."""
+"""SEQUENTIAL: the options of the sequential model alone, CONVOLUTIONAL of the other, COMMON of
+both; the recipe sets what has no default."""
 
 
 def run(args: argparse.Namespace) -> int:
