@@ -1,7 +1,7 @@
 """The command `numpy-cae`: one module of `commands` a subcommand, imported when it is chosen.
 
 A module's docstring is the subcommand's description, with examples in its last paragraph;
-`run(args)` returns the exit status. `shared/options.toml` has the options of every subcommand.
+`add_arguments(parser)` declares its arguments and `run(args)` returns the exit status.
 
 Errors that a user can correct (a damaged file, a missing joint, a wrong number) end in one line on
 standard error and exit status 2, without a traceback.
@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import NoReturn
 
 from numpy_cae import __version__
-from numpy_cae.cli.shared.arguments import add_options
 from numpy_cae.cli.shared.output import visible_output
 from numpy_cae.errors import NumpyCaeError
 
@@ -111,9 +110,9 @@ def subcommand_parser(name: str) -> argparse.ArgumentParser:
     parser = _Parser(
         f"numpy-cae {name}",
         description=textwrap.fill(description, _columns()).replace("%", "%%"),
-        epilog=f"example{examples}{vars(module).get('EPILOG', '')}",
+        epilog=f"example{examples}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(command=name, run=module.run)
-    add_options(parser, name, vars(module))
+    module.add_arguments(parser)
     return parser

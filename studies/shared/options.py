@@ -35,15 +35,12 @@ OPTIONS = {
     "seed": "seed",
 }
 """Parameter of `run` to its options."""
-TRAIN = {
-    flags[-1].lstrip("-"): each for _, flags, each in arguments.options_of("train", vars(train))
-}
 FLAG = {
-    **TRAIN,
-    "model": {"type": Path, "metavar": "FILE", "help": "model file (default: the starter model)"},
-    "data": TRAIN["folders"] | {"default": [], "help": "folders of motion files"},
-    "test": TRAIN["test"] | {"help": "names of the test files, if the model records none"},
-    "unseen": {"action": "store_true", "help": "the model has seen none of these files"},
+    **arguments.SHARED,
+    "model": arguments.FILE | {"help": "model file (default: the starter model)"},
+    "data": arguments.FOLDERS | {"default": [], "help": "folders of motion files"},
+    "test": arguments.PATTERNS | {"help": "names of the test files, if the model records none"},
+    "unseen": arguments.FLAG | {"help": "the model has seen none of these files"},
     "actions": {"nargs": "+", "choices": ACTIONS, "default": ACTIONS, "metavar": "NAME"}
     | {"help": f"actions to synthesise without --data, of {', '.join(ACTIONS)} (default: all)"},
     "minutes": {"type": arguments.positive, "default": 30.0, "metavar": "M"}
@@ -54,8 +51,13 @@ FLAG = {
     | {"help": "Adam with one cycle, or SGD with momentum and a decaying rate (default: adam)"},
     "burn_in": {"type": arguments.positive_number, "metavar": "N"}
     | {"help": "steps of the decoder before the first frame (default: 5)"},
+    **{
+        name: {"type": arguments.positive_number, "metavar": "N", "help": text}
+        for name, text in (train.COMMON | train.SEQUENTIAL).items()
+    },
 }
-"""Option to the arguments of `add_argument`; those of `train` where nothing else is said."""
+"""Option to the arguments of `add_argument`."""
+FLAG["rate"]["type"] = arguments.rate
 
 
 def add_options(parser: argparse.ArgumentParser, runs: Iterable[Callable]) -> None:
@@ -79,7 +81,7 @@ def _typed(default: Any) -> dict[str, Any]:
     """The arguments of `add_argument` for a parameter with this default: None or no default is that
     of a path."""
     if default is False:
-        return {"action": "store_true"}
+        return dict(arguments.FLAG)
     if default in (None, inspect.Parameter.empty):
         return {"type": Path, "required": default is not None, "metavar": "PATH"}
     values = default if isinstance(default, tuple) else (default,)

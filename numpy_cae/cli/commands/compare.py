@@ -18,6 +18,15 @@ from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
 
 
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The motions, the model and the files to write."""
+    add = parser.add_argument
+    add("motions", type=Path, nargs="+", metavar="FOLDER_OR_FILE", help="folders or motion files")
+    files.add_model_arguments(parser)
+    add("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
+    add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix")
+
+
 def run(args: argparse.Namespace) -> int:
     """Compute, print and write the distances."""
     manifold = files.load_model(args)

@@ -12,6 +12,7 @@ import numpy as np
 
 from data_synth import make_take
 from numpy_cae import viz
+from numpy_cae.cli.shared import arguments
 from numpy_cae.evaluation.half_removed import NOTE, P, half_removed
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import body_of, write_bvh
@@ -34,6 +35,13 @@ DAMAGE = (
     ("rhumerus", (30.0, 30.0, 0.0), slice(120, 122)),
 )
 """A twisted leg and two spikes: joints, rotation vectors in degrees, frames."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The folder, the seed and the progress."""
+    output = "folder for all results, created if it does not exist (default: demo)"
+    parser.add_argument("-o", "--output", **arguments.FOLDER, default=Path("demo"), help=output)
+    arguments.add_shared(parser, "seed quiet")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -8,15 +8,27 @@ example: numpy-cae download cmu --subjects 2,7,35 -o cmu
 
 import argparse
 
-from numpy_cae.download import cmu
+from numpy_cae.cli.shared import arguments
+from numpy_cae.download import download_cmu
+from numpy_cae.download.cmu import SITE, TERMS
 
-EPILOG = f"\n{cmu.TERMS}"
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The database, the subjects and the folder; the help ends with the terms of use."""
+    parser.epilog = f"{parser.epilog}\n{TERMS}"
+    add = parser.add_argument
+    add("database", choices=["cmu"], help="name of the database")
+    numbers = {"type": _subjects, "required": True, "metavar": "N,N,…"}
+    add("--subjects", **numbers, help="numbers of the subjects to download, 1 to 144")
+    add("-o", "--output", **arguments.FOLDER, required=True, help="folder for the files")
+    add("--site", default=SITE, metavar="URL", help=f"address of a mirror (default: {SITE})")
+    arguments.add_shared(parser, "quiet")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print the terms, download, print the number of files."""
-    print(cmu.TERMS)
-    files = cmu.download_cmu(args.output, args.subjects, args.site, not args.quiet)
+    print(TERMS)
+    files = download_cmu(args.output, args.subjects, args.site, not args.quiet)
     print(f"{args.output}: {len(files)} files")
     return 0
 

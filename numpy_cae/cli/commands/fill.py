@@ -9,14 +9,19 @@ examples, with the files that `numpy-cae demo` writes:
 
 import argparse
 
-from numpy_cae.cli.shared import change_files, damage_options, files
+from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.manifold import keyframe_mask
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, fill_motion
 from numpy_cae.repair.interpolated import missing_joints
 
-DAMAGED = "missing"
-"""DAMAGED: what the help says of the joints that --joint and --limb name."""
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, the model and what is missing."""
+    change_files.add_arguments(parser)
+    group = damage_options.add_arguments(parser, "missing")
+    keyframes = "keep frames 0, N, 2N, …; all joints are missing in the frames between"
+    group.add_argument("--keyframes", **arguments.COUNT, help=keyframes)
 
 
 def run(args: argparse.Namespace) -> int:

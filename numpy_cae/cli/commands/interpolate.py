@@ -6,6 +6,7 @@ example, with the files that `numpy-cae demo` writes:
 """
 
 import argparse
+from pathlib import Path
 
 from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import note
@@ -18,8 +19,20 @@ from numpy_cae.viz import OTHERS, PROJECTED, TRUTH
 from numpy_cae.viz.actor import world_actors
 
 
-def _share(text: str) -> float | str:
-    return text if text == TRANSITION else arguments.fraction(text)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The two motions, the model and the share of the second."""
+    add = parser.add_argument
+    add("first", type=Path, help="first motion file (.bvh or .amc)")
+    add("second", type=Path, help="second motion file, of any rig")
+    files.add_output_arguments(parser)
+    files.add_model_arguments(parser)
+    add(
+        "--share",
+        type=lambda text: text if text == TRANSITION else arguments.fraction(text),
+        default=0.5,
+        metavar="S",
+        help="weight of the second motion, 0 to 1 (default: 0.5), or `transition` from 0 to 1",
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -10,7 +10,19 @@ examples: numpy-cae lessons student/                     every lesson
 import argparse
 from pathlib import Path
 
+from numpy_cae.cli.shared import arguments
 from numpy_cae.course import copies
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The folders and what to do with the lessons."""
+    add = parser.add_argument
+    add("folder", type=Path, nargs="?", help="folder for the students' copies")
+    release = "write a release for nbgrader of the lessons with these numbers (default: all)"
+    add("--release", nargs="+", metavar=("FILE.zip", "NN"), help=release)
+    source = "folder of the lessons (default: the package's)"
+    add("--from", dest="source", default=copies.PACKAGED, **arguments.FOLDER, help=source)
+    add("--only", metavar="NN", help="number of the only lesson to process")
 
 
 def run(args: argparse.Namespace) -> int:

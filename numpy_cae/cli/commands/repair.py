@@ -17,19 +17,33 @@ examples, with the files that `numpy-cae demo` writes:
 
 import argparse
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared import change_files, damage_options, files
+from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import Motion
 from numpy_cae.repair import PRESETS, Finding, Preset, Repaired, project_motion, repair
 from numpy_cae.repair.repaired import count, distances
 
-DAMAGED = "damaged"
-"""DAMAGED: what the help says of the joints that --joint and --limb name."""
-SOURCES = "; ".join(f"{name}: {preset}" for name, preset in PRESETS.items())
-"""SOURCES: each source of motion that --from may name, with what it sets."""
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, what is damaged and how it is repaired."""
+    change_files.add_arguments(parser)
+    group = damage_options.add_arguments(parser, "damaged", "found in the motion")
+    findings = "JSON file (of several motions a folder) for the findings, to be passed as --mask"
+    group.add_argument("--findings", type=Path, metavar="JSON", help=findings)
+    sensitivity = "0 to 1: mend what has a confidence of at least 1 - S (default: 0.5)"
+    group.add_argument("--sensitivity", type=arguments.fraction, metavar="S", help=sensitivity)
+    add = parser.add_argument_group("how it is repaired").add_argument
+    source = "; ".join(f"{name}: {preset}" for name, preset in PRESETS.items())
+    add("--from", dest="source", choices=list(PRESETS), help=f"where the motion is from. {source}")
+    add("--smooth", **arguments.FLAG, help="also remove jitter from the whole motion")
+    add("--feet", **arguments.FLAG, help="also hold feet that stand still, on the floor")
+    add("--project", **arguments.FLAG, help="project the whole motion onto the manifold instead")
+    only = "repair these findings only, by their numbers in the printed list and on the page"
+    add("--only", nargs="+", type=arguments.positive_number, metavar="N", help=only)
 
 
 def run(args: argparse.Namespace) -> int:

@@ -9,12 +9,21 @@ examples, with the files that `numpy-cae demo` writes:
 
 import argparse
 import json
+from pathlib import Path
 
 from numpy_cae.cli.shared import arguments
 
 TRUSTED = 15
 """TRUSTED: if at least this many of the twenty joints have the names of a known rig, the names
 decide and not the hierarchy."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The file, the mapping to write and how the file is read."""
+    add = parser.add_argument
+    add("file", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
+    add("-o", "--output", type=Path, metavar="JSON", help="file to write: our names, the rig's")
+    arguments.add_shared(parser, "mapping unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -24,6 +24,18 @@ from numpy_cae.viz import PROJECTED, motion_actor
 SECONDS = 5.0
 
 
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The model, the prior, and the number and length of the motions."""
+    files.add_output_arguments(parser)
+    files.add_model_arguments(parser)
+    add = parser.add_argument
+    add("--data", **arguments.FOLDERS, help="folders of motions that the prior is fitted to")
+    add("--number", **arguments.COUNT, default=1, help="number of motions (default: 1)")
+    add("--seconds", type=arguments.positive, help=f"length of each motion (default: {SECONDS:g})")
+    add("--like", **arguments.FILE, help="motion file whose rig, rate and unit are used")
+    arguments.add_shared(parser, "seed")
+
+
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     require_bvh(args.output)

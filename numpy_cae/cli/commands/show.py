@@ -7,9 +7,19 @@ examples, with the files that `numpy-cae demo` writes:
 """
 
 import argparse
+from pathlib import Path
 
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import require_one_target_each
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, and the folder or the page to write."""
+    add = parser.add_argument
+    add("files", nargs="+", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
+    output = "folder of the pictures (default: the current one), or the .html file of a page"
+    add("-o", "--output", type=Path, metavar="PATH", default=Path(), help=output)
+    arguments.add_shared(parser, "unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:

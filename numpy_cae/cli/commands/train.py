@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from numpy_cae import training, viz
@@ -24,11 +25,14 @@ from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import bodies, in_halves, usable
 from numpy_cae.evaluation.half_removed import NOTE, half_removed
 from numpy_cae.evaluation.reconstruction import reconstruction
-from numpy_cae.manifold import learning
+from numpy_cae.manifold import learn_manifold, learn_sequences
+from numpy_cae.manifold.learning import HIDDEN, LATENT
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.load import is_test, load_angles
 from numpy_cae.motion import RATE
 from numpy_cae.motion.angles import ANGLE_RATE
+from numpy_cae.motion.clips import CLIP
+from numpy_cae.motion.windows import LENGTH
 
 _STARTER = training.Stage(
     epochs=50,
@@ -45,11 +49,42 @@ RECIPES = training.RECIPES | {
     "starter": training.Schedule(layer=training.Stage(epochs=0), fine_tuning=_STARTER)
 }
 
-COMMON = ("epochs", "rate", "batch")
-CONVOLUTIONAL = ("window", "filters")
-SEQUENTIAL = ("steps", "hidden", "latent", "frames")
-"""SEQUENTIAL: the options of the sequential model alone, CONVOLUTIONAL of the other, COMMON of
-both; the recipe sets what has no default."""
+COMMON = {
+    "epochs": "number of epochs; with recipe paper of each layer, and of fine tuning",
+    "rate": "learning rate of the first epoch, or the peak with recipes fast and best; with recipe "
+    "paper of the layers, not of fine tuning",
+    "batch": "number of windows or clips in one step",
+}
+CONVOLUTIONAL = {
+    "window": f"number of frames in a window, at 30 a second (default: {LENGTH})",
+    "filters": "number of filters of each layer (default: 64 128 256)",
+}
+SEQUENTIAL = {
+    "steps": "number of steps in an epoch",
+    "hidden": f"number of hidden units of each GRU (default: {HIDDEN})",
+    "latent": f"number of latent variables (default: {LATENT})",
+    "frames": f"number of frames in a clip, at 25 a second (default: {CLIP})",
+}
+"""Help of each option, of both models and of one; the recipe sets what has no default here."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, the model, the recipe and what replaces parts of it."""
+    add = parser.add_argument
+    add("folders", **arguments.FOLDERS, help="folders of motion files, searched with subfolders")
+    add("-o", "--output", type=Path, required=True, help="model file to write, .npz")
+    add("--test", **arguments.PATTERNS, help="names of the files to test on and not to train on")
+    models = ("convolutional", "sequential")
+    model = f"network of holden2015 or, for one action, of jang2018 (default: {models[0]})"
+    add("--model", choices=models, default=models[0], help=model)
+    add("--recipe", choices=RECIPES, default="paper", help="recipe (default: paper)")
+    engine = "code that computes the gradients: `fast`, or the definitions in `ops` (default: fast)"
+    add("--engine", choices=("fast", "ops"), default="fast", help=engine)
+    add("--resume", **arguments.FLAG, help="continue an interrupted run; the result is identical")
+    arguments.add_shared(parser, "seed quiet mapping unit up floor")
+    add_options(parser, "training", COMMON)
+    add_options(parser, "convolutional model", CONVOLUTIONAL)
+    add_options(parser, "sequential model", SEQUENTIAL)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -94,7 +129,7 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
     takes, testing = in_halves(bodies(args, paths), args.test, RATE)
     settings |= {"mirror": args.recipe == "starter", "testing": testing}
     settings |= given(args, *CONVOLUTIONAL)
-    manifold = learning.learn_manifold(takes, schedule_of(args), **settings)
+    manifold = learn_manifold(takes, schedule_of(args), **settings)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(group)}
         | {"test": sum(is_test(path, args.test) for path in group)}
@@ -111,7 +146,7 @@ def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Lear
     takes, testing = in_halves(read, args.test, ANGLE_RATE)
     schedule = sequence_schedule_of(args, args.recipe)
     settings |= given(args, "hidden", "latent", "frames")
-    manifold = learning.learn_sequences(takes, schedule, **settings)
+    manifold = learn_sequences(takes, schedule, **settings)
     source = f"clips of {manifold.frames} frames of {len(takes)} motions"
     name = args.folders[0].resolve().name
     return manifold, source, lambda: reconstruction(name, manifold, takes, testing).text()
@@ -131,6 +166,15 @@ def interruptible(checkpoint: training.Checkpoint) -> Iterator[None]:
     except KeyboardInterrupt:
         advice = "; continue with --resume" if checkpoint.path.exists() else ""
         raise KeyboardInterrupt(f"{checkpoint.status()}{advice}") from None
+
+
+def add_options(parser: argparse.ArgumentParser, title: str, options: dict[str, str]) -> None:
+    """Add a group of options. The parsed value is None where an option is not given."""
+    group = parser.add_argument_group(title)
+    for name, text in options.items():
+        number = arguments.rate if name == "rate" else arguments.positive_number
+        count = "+" if name == "filters" else None
+        group.add_argument(f"--{name}", type=number, nargs=count, metavar="N", help=text)
 
 
 def given(args: argparse.Namespace, *names: str) -> dict[str, Any]:

@@ -39,6 +39,24 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from numpy_cae.cli.shared import arguments
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, the names of functions and the limits."""
+    add = parser.add_argument
+    file = dict(arguments.FILE)
+    add("files", **file, nargs="+", help="Python files, notebooks of lessons, folders or zip files")
+    add("--lesson", default="", metavar="NN", help="lesson of the exercises (default: the file's)")
+    for name, unit, most in (("time", "SECONDS", 30.0), ("memory", "MB", 2048.0)):
+        limit = {"type": arguments.positive, "default": most, "metavar": unit}
+        add(f"--{name}-limit", **limit, help=f"{name} for one function at most (default: {most:g})")
+    add("--csv", **file, help="table of marks to write, a row for each student, with statistics")
+    add("--roster", **file, help="table of the students, from Moodle or Canvas (with --csv)")
+    add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")
+    add("--similar", **arguments.FLAG, help="list pairs that are alike, which proves nothing")
+    add("--feedback", **arguments.FOLDER, help="write each student's reports to this folder")
+
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""

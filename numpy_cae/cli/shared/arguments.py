@@ -1,11 +1,9 @@
-"""The options of the commands, and the types of numbers that argparse checks."""
+"""Arguments that several subcommands share, and the types of numbers that argparse checks."""
 
 import argparse
-import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
-from string import Formatter
 from typing import Any
 
 
@@ -31,43 +29,38 @@ finite = _number(float, lambda x: -inf < x < inf, "a finite number")
 positive = _number(float, lambda x: 0 < x < inf, "a finite number above 0")
 fraction = _number(float, lambda x: 0 <= x <= 1, "between 0 and 1")
 
-_COMMANDS = tomllib.loads(Path(__file__).with_name("options.toml").read_text(encoding="utf-8"))
-"""_COMMANDS: the options of each command by the title of their group and by their flags."""
+# Settings of `add_argument` for common types of argument; each use adds its help and default.
+FLAG: dict[str, Any] = {"action": "store_true"}
+COUNT: dict[str, Any] = {"type": positive_number, "metavar": "N"}
+FILE: dict[str, Any] = {"type": Path, "metavar": "FILE"}
+FOLDER: dict[str, Any] = {"type": Path, "metavar": "FOLDER"}
+FOLDERS: dict[str, Any] = FOLDER | {"nargs": "+"}
+PATTERNS: dict[str, Any] = {"nargs": "+", "metavar": "PATTERN", "default": []}
+
+UP = ("x", "y", "z", "-x", "-y", "-z")
+
+_MAPPING = (
+    "file with the names of our joints in an unknown rig (made by `numpy-cae rig`); "
+    "of several --mapping options each motion uses the first that fits"
+)
+
+SHARED: dict[str, dict[str, Any]] = {
+    "seed": {"type": whole_number, "default": 0, "help": "seed of all random numbers (default: 0)"},
+    "quiet": FLAG | {"help": "show no progress"},
+    "html": FLAG | {"help": "also write a page beside the output that plays the motions"},
+    "mapping": FILE | {"metavar": "JSON", "action": "append", "default": [], "help": _MAPPING},
+    "unit": {"type": positive, "metavar": "METRES"}
+    | {"help": "length unit of the files in metres, such as 0.01 (default: guessed)"},
+    "up": {"choices": UP, "help": "axis that points up; --up=-z for -z (default: guessed)"},
+    "floor": {"type": finite, "metavar": "METRES"}
+    | {"help": "height of the floor along the up axis (default: guessed)"},
+}
 
 
-def options_of(
-    command: str, names: Mapping[str, Any]
-) -> Iterator[tuple[str, list[str], dict[str, Any]]]:
-    """Of each option of a command in `options.toml` the title of its group, the flags and the
-    arguments of `add_argument`; `names` are those of the command's module."""
-    names = globals() | dict(names)
-    for title, options in _COMMANDS[command].items():
-        for flags, stated in options.items():
-            while isinstance(stated, str):
-                stated = next(
-                    group[flags] for group in _COMMANDS[stated].values() if flags in group
-                )
-            settings = {key: _filled_in(value, names) for key, value in stated.items()}
-            for key in {"type", "choices"} & set(settings):
-                if isinstance(settings[key], str):
-                    settings[key] = Formatter().get_field(settings[key], (), names)[0]
-            yield title, flags.split(), settings
-
-
-def _filled_in(value: Any, names: Mapping[str, Any]) -> Any:
-    """A text with what its braces name, in one line; a list of texts as argparse wants it."""
-    if isinstance(value, list) and value:
-        return tuple(value)
-    return " ".join(value.format_map(names).split()) if isinstance(value, str) else value
-
-
-def add_options(parser: argparse.ArgumentParser, command: str, names: Mapping[str, Any]) -> None:
-    """Add the options of a command to its parser."""
-    groups: dict[str, argparse._ActionsContainer] = {"options": parser}
-    for title, flags, settings in options_of(command, names):
-        if title not in groups:
-            groups[title] = parser.add_argument_group(title)
-        groups[title].add_argument(*flags, **settings)
+def add_shared(parser: argparse.ArgumentParser, names: str) -> None:
+    """Add some of the options in `SHARED`, whose names are separated by spaces."""
+    for name in names.split():
+        parser.add_argument(f"--{name}", **SHARED[name])
 
 
 def reading(args: argparse.Namespace) -> dict[str, Any]:

@@ -90,6 +90,20 @@ NOT_REPEATED = "command run files output dry_run overwrite html findings only".s
 ANYWAY = 'to repair some anyway: --findings f.json, add "accept": true to them, then --mask f.json'
 
 
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The files, the model, the output and the page."""
+    add = parser.add_argument
+    named = "motion files, or folders that are searched with their subfolders"
+    add("files", type=Path, nargs="+", metavar="FILE_OR_FOLDER", help=named)
+    output = "for one motion the file to write: in the same format, where unchanged text is kept, "
+    output += "or .bvh. For several motions a folder, created if it does not exist"
+    add("-o", "--output", type=Path, help=output)
+    add("--dry-run", **arguments.FLAG, help="print what would be changed and write nothing")
+    add("--overwrite", **arguments.FLAG, help="replace files that exist, also those that are read")
+    arguments.add_shared(parser, "html")
+    files.add_model_arguments(parser)
+
+
 def change_files(args: argparse.Namespace, change: Callable[[Motion, Progress], Repaired]) -> int:
     """Load each file, write what `change` makes of it, and print what was changed.
 

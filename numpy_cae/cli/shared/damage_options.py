@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from numpy_cae.cli.shared import arguments
 from numpy_cae.mocap import MotionFileError
 from numpy_cae.mocap.formats.text_file import TextFile
 from numpy_cae.mocap.retarget.to_rig import moves_alone
@@ -22,7 +23,23 @@ from numpy_cae.repair.finding import BODY, usable
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 
 
-LIMB_NAMES = ", ".join(LIMBS)
+def add_arguments(
+    parser: argparse.ArgumentParser, damaged: str, default: str = ""
+) -> argparse._ArgumentGroup:
+    """The options, which say which joints and frames are `damaged` ("damaged" or "missing")."""
+    usual = f" (default: {default})" if default else ""
+    group = parser.add_argument_group(f"which joints and frames are {damaged}{usual}")
+    add = group.add_argument
+    joints = f"{damaged} joints, such as left_wrist, by our names or the rig's"
+    add("--joint", nargs="+", metavar="NAME", default=[], help=joints)
+    limbs = f"{damaged} limbs: {', '.join(LIMBS)}"
+    add("--limb", nargs="+", choices=LIMBS, metavar="LIMB", default=[], help=limbs)
+    frames = "first and last frame, counted from 0, of these joints, or of all joints without "
+    frames += "--joint and --limb (default: all frames)"
+    add("--frames", type=arguments.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=frames)
+    mask = f"JSON file of joints or limbs and their frames, such as {EXAMPLE}"
+    add("--mask", type=Path, metavar="JSON", help=mask)
+    return group
 
 
 def is_chosen(args: argparse.Namespace) -> bool:

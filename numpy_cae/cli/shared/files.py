@@ -21,6 +21,19 @@ from numpy_cae.motion import RATE, Motion
 from numpy_cae.viz import Actor, save_viewer
 
 
+def add_model_arguments(parser: argparse.ArgumentParser) -> None:
+    """The model, and how motion files are read."""
+    model = "model file from `numpy-cae train` (default: the starter model of the package)"
+    parser.add_argument("-m", "--model", type=Path, help=model)
+    arguments.add_shared(parser, "mapping unit up floor")
+
+
+def add_output_arguments(parser: argparse.ArgumentParser) -> None:
+    """The motion file to write, and the page."""
+    parser.add_argument("-o", "--output", type=Path, required=True, help="motion file, .bvh")
+    arguments.add_shared(parser, "html")
+
+
 def load_model(args: argparse.Namespace, sequential: bool = False) -> Manifold:
     """The model that `--model` names, by default the starter model.
 
