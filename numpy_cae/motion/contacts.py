@@ -24,9 +24,10 @@ _LEAST_FRAMES = 3
 frame is less certain."""
 
 
-def floor_height(positions: np.ndarray) -> float:
-    """The height of the floor, metres: the 5% quantile of the lower toe's height in (F, 20, 3)."""
-    return float(np.quantile(positions[:, FEET, 1].min(axis=1), 0.05))
+def floor_height(toes: np.ndarray) -> float:
+    """The height of the floor, metres: the 5% quantile of the height of the lower toe of both
+    (F, 2, 3)."""
+    return float(np.quantile(toes[..., 1].min(axis=1), 0.05))
 
 
 def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
@@ -54,9 +55,7 @@ def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
         return np.zeros((len(positions), 2), bool)
     toes = positions[:, FEET]
     speed = np.linalg.norm(np.gradient(toes[..., [0, 2]], axis=0), axis=-1) * rate
-    stands = (toes[..., 1] < floor_height(positions) + STANDING_METRES) & (
-        speed < STANDING_METRES_PER_S
-    )
+    stands = (toes[..., 1] < floor_height(toes) + STANDING_METRES) & (speed < STANDING_METRES_PER_S)
     for foot in stands.T:
         # The edge values are repeated: a clip may begin and end in the middle of a step.
         padded = np.pad(foot, _LEAST_FRAMES, mode="edge")
@@ -98,22 +97,25 @@ def foot_sliding(positions: np.ndarray, rate: float) -> float:
     positions = np.asarray(positions, dtype=np.float64)
     if positions.shape[1:] != (len(JOINTS), 3):
         raise ValueError(f"positions have shape {positions.shape}, expected (F, {len(JOINTS)}, 3)")
-    speeds = foot_speeds(positions, rate)
-    lower, stands = lower_foot(positions)
+    return sliding_of(positions[:, FEET], rate)
+
+
+def sliding_of(toes: np.ndarray, rate: float) -> float:
+    """`foot_sliding` of both toes (F, 2, 3), centimetres a second."""
+    speeds = foot_speeds(toes, rate)
+    lower, stands = lower_foot(toes)
     return float(speeds[np.arange(len(lower)), lower][stands].mean()) if stands.any() else 0.0
 
 
-def foot_speeds(positions: np.ndarray, rate: float) -> np.ndarray:
-    """The speeds of both toes along the floor, from each frame to the next, (F - 1, 2) in
+def foot_speeds(toes: np.ndarray, rate: float) -> np.ndarray:
+    """The speeds of both toes (F, 2, 3) along the floor, from each frame to the next, (F - 1, 2) in
     centimetres a second."""
-    toes = np.asarray(positions, dtype=np.float64)[:, FEET]
     return 100 * rate * np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1)
 
 
-def lower_foot(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """From each frame to the next the index in `FEET` of the lower toe, and whether that is on the
-    floor, (F - 1,) each."""
-    heights = np.asarray(positions)[:, FEET, 1]
-    height = (heights[1:] + heights[:-1]) / 2
-    floor = floor_height(positions) if len(height) else 0.0
+def lower_foot(toes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """From each frame to the next the index of the lower one of both toes (F, 2, 3), and whether
+    that is on the floor, (F - 1,) each."""
+    height = (toes[1:, :, 1] + toes[:-1, :, 1]) / 2
+    floor = floor_height(toes) if len(height) else 0.0
     return height.argmin(axis=1), height.min(axis=1) <= floor + STANDING_METRES

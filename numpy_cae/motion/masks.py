@@ -5,7 +5,6 @@ A mask is an array of bool: (frames,) or (frames, N) in the frames of a file, (F
 """
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.motion.motion import RATE, Motion
 
@@ -37,8 +36,9 @@ def runs_with(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
 
 def with_margin(mask: np.ndarray, frames: int) -> np.ndarray:
     """A mask (F, N) with each run extended by this number of frames on both sides."""
-    padded = np.pad(mask, ((frames, frames), (0, 0)))
-    return np.any(sliding_window_view(padded, 2 * frames + 1, axis=0), axis=-1)
+    padded = np.pad(mask, ((frames + 1, frames), (0, 0)))
+    count = np.cumsum(padded, axis=0, dtype=np.int32)
+    return count[2 * frames + 1 :] > count[: -2 * frames - 1]
 
 
 def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:

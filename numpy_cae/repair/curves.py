@@ -19,7 +19,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.contacts import FEET, foot_sliding, foot_speeds, lower_foot
+from numpy_cae.motion.contacts import FEET, foot_speeds, lower_foot, sliding_of
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import RATE, Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
@@ -150,6 +150,12 @@ def usual_body(motion: Motion) -> np.ndarray:
     return body_positions(motion) / body_size(motion)
 
 
+def usual_toes(motion: Motion) -> np.ndarray:
+    """Both toes of a motion, as those of a body of usual size, (frames, 2, 3) in metres."""
+    joints = rig_of(motion).joints
+    return motion.positions([joints[toe] for toe in FEET]) / body_size(motion)
+
+
 def at_about_thirty(motion: Motion) -> tuple[Motion, int]:
     """Every n-th frame of a motion, about thirty a second, and n."""
     step = max(1, round(motion.rate / RATE))
@@ -158,16 +164,16 @@ def at_about_thirty(motion: Motion) -> tuple[Motion, int]:
 
 def sliding(motion: Motion) -> float:
     """How fast standing feet slide (`foot_sliding`), cm/s of a body of usual size."""
-    return foot_sliding(usual_body(motion), motion.rate)
+    return sliding_of(usual_toes(motion), motion.rate)
 
 
 def slides_of(before: Motion, after: Motion) -> np.ndarray:
     """How fast feet that stand in a motion slide before and after a step of a repair, 0 where none
     stands, (2, frames - 1) in centimetres a second."""
-    bodies = [usual_body(motion) for motion in (before, after)]
-    lower, on_floor = lower_foot(bodies[0])
+    toes = [usual_toes(motion) for motion in (before, after)]
+    lower, on_floor = lower_foot(toes[0])
     stands = on_floor[:, None] & (lower[:, None] == [0, 1])
-    return np.where(stands, [foot_speeds(body, before.rate) for body in bodies], 0.0).sum(axis=2)
+    return np.where(stands, [foot_speeds(each, before.rate) for each in toes], 0.0).sum(axis=2)
 
 
 def levers_of(skeleton: Skeleton) -> np.ndarray:

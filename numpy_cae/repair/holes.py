@@ -40,9 +40,13 @@ from numpy_cae.motion.features import (
 from numpy_cae.motion.hole_curves import CURVES, Curve, CurveAt, eased, eased_everywhere, mean_curve
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import at_thirty, run_numbers, runs
-from numpy_cae.motion.motion import RATE, Motion
+from numpy_cae.motion.motion import RATE, Motion, blocks
 from numpy_cae.repair.finding import Finding
 from numpy_cae.repair.interpolated import interpolate_channels, missing_joints, on_curves
+
+LONG_FRAMES = 18_000
+"""LONG_FRAMES: the distance from the manifold is measured over at most so many frames at a time,
+ten minutes at thirty a second."""
 
 
 class Holes:
@@ -89,9 +93,12 @@ class Holes:
         """The median distance of a joint outside the holes from its projection, metres."""
         if self.mask.all():
             return 0.0
-        filled = fill(manifold, self.features, self.mask)
-        projected = manifold.project(filled, average_shifts=True)
-        distance = np.linalg.norm(local_positions(self.features - projected), axis=-1)
+        distance = np.zeros(self.mask.shape)
+        for frames in blocks(np.arange(len(distance)), LONG_FRAMES):
+            known = self.features[frames]
+            filled = fill(manifold, known, self.mask[frames])
+            projected = manifold.project(filled, average_shifts=True)
+            distance[frames] = np.linalg.norm(local_positions(known - projected), axis=-1)
         return float(np.median(distance[~self.mask]))
 
     def filled(self, features: np.ndarray) -> Motion:

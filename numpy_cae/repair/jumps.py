@@ -101,23 +101,21 @@ def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:
 def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = None) -> Motion:
     """The motion with the joints that jump (frames, 20) filtered strongly around, and again where
     they still jump; first with the values of `source`, in which a jump is not smeared, if given."""
-    source = motion if source is None else source
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    filtered = replace(motion, rotations=rotations, translations=translations)
     margin = round(AROUND_SECONDS * motion.rate)
     for _ in range(ROUNDS if len(motion) >= filters.LEAST_FRAMES else 0):
         near = with_margin(jumps.max(axis=1, keepdims=True), margin)[:, 0]
-        rotations = motion.rotations.copy()
-        translations = motion.translations.copy()
         for first, end in runs(near).tolist():  # the filtered curves of an hour take 0.75 GB
             part = slice(first, max(end, min(first + filters.LEAST_FRAMES, len(motion))))
-            filtered = _filtered_around(motion.at(part), jumps[part], source.at(part))
-            rotations[part] = filtered.rotations
-            translations[part] = filtered.translations
-        motion = source = replace(motion, rotations=rotations, translations=translations)
+            done = _filtered_around(filtered.at(part), jumps[part], (source or filtered).at(part))
+            rotations[part], translations[part] = done.rotations, done.translations
+        source = filtered
         beside = with_margin(jumps, round(BLENDED_SECONDS * motion.rate))
-        jumps = jumping_steps(motion, np.flatnonzero(near[:-1])) & beside
+        jumps = jumping_steps(filtered, np.flatnonzero(near[:-1])) & beside
         if not jumps.any():
             break
-    return motion
+    return filtered
 
 
 def jumping_steps(motion: Motion, frames: np.ndarray | None = None) -> np.ndarray:

@@ -210,8 +210,8 @@ def _mended(
     remain."""
     sure = [finding for finding in damage if finding.status == "repaired"]
     done = sure
-    mended = motion
     for _ in range(ROUNDS):
+        mended = motion  # the last round's arrays are freed before those of this one are made
         mended = step.mend(motion, done, *model) if done else motion
         # Feet are checked where they are mended.
         worse = [] if wanted or step.find is find_feet else _worse(mended, motion, done, step)
