@@ -10,8 +10,8 @@ continues, and those between the jumps by a displacement interpolated between th
 rotation by half a turn that does not come back is undone up to the end of the file, or to its start
 if that has a few frames only; that of a limb is proposed only, since either half may be right.
 Where a root does not come back, the shorter part of the file is moved to where the longer one
-leads, the frames before the jump or those from it on, at the height where it is unless most of the
-jump is upwards or downwards.
+leads, the frames before the jump or those from it on; at the height where it is if its feet would
+leave the floor of the other part.
 
 If two opposite jumps do not undo each other, the rotations between them are those of another
 motion: they are interpolated (`holes`), unless the frames outside may be those of another motion.
@@ -23,11 +23,20 @@ from typing import Any
 
 import numpy as np
 
+from numpy_cae.motion.contacts import floor_height
 from numpy_cae.motion.hole_curves import rejoined
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
-from numpy_cae.repair.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
+from numpy_cae.repair.curves import (
+    Curve,
+    Segment,
+    body_size,
+    curves_of,
+    least_jump,
+    local_median,
+    usual_toes,
+)
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.interpolated import interpolate_channels
 from numpy_cae.repair.spikes import carried, longest_spike
@@ -103,7 +112,10 @@ def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
             if (finding.joint, finding.kind) == (curve.name, kind):
                 if name not in changed:  # an hour of rotations takes 0.4 GB: one copy for all
                     changed[name] = getattr(motion, name).copy()
-                changed[name][finding.stretch, curve.joint] = _undone(curve, finding.stretch)
+                values = _undone(curve, finding.stretch)
+                if _leaves_floor(motion, curve, finding.stretch, values):
+                    values[:, 1] = curve.values[finding.stretch, 1]
+                changed[name][finding.stretch, curve.joint] = values
                 curve = replace(curve, values=changed[name][:, curve.joint])
     undone = replace(motion, **changed)
     return interpolate_channels(undone, [f for f in findings if f.kind == "displaced"])
@@ -161,19 +173,23 @@ def _kinds(curve: Curve, segment: Segment, jumps: list[int]) -> Iterator[str]:
     returns = _returns(curve, segment)
     if returns and len(segment) <= longest_spike(curve.rate):
         yield "spike"
+    if not _is_between(curve, segment, jumps):
+        return
     if _closes(curve, segment):
         yield "undone"
-    if returns and _is_between(curve, segment, jumps):
+    if returns:
         yield "interpolated"
 
 
 def _is_between(curve: Curve, segment: Segment, jumps: list[int]) -> bool:
-    """Whether there is motion before and after a segment, without other jumps for as long as it
-    lasts: else the frames outside may be the wrong ones."""
+    """Whether there is motion before and after a segment, without other jumps of half its size for
+    as long as it lasts: else the frames outside may be the wrong ones."""
     few = longest_spike(curve.rate)
     first, end = segment.first, segment.end
     around = {*range(first - len(segment), first), *range(end + 1, end + len(segment) + 1)}
-    return few < first and end < len(curve.values) - few and around.isdisjoint(jumps)
+    size = min(_size(curve, first), _size(curve, end))
+    others = [jump for jump in around.intersection(jumps) if _size(curve, jump) > size / 2]
+    return few < first and end < len(curve.values) - few and not others
 
 
 def _all_jump(motion: Motion, curve: Curve, segment: Segment) -> bool:
@@ -270,8 +286,17 @@ def _undone(curve: Curve, frames: slice) -> np.ndarray:
     if end < len(x):
         corrections.append(2 * x[end] - x[min(end + 1, len(x) - 1)] - inside[-1])
     share = np.linspace(0.0, 1.0, len(inside))[:, None]
-    correction = (1 - share) * corrections[0] + share * corrections[-1]
-    step = np.abs(corrections[0])
-    if curve.is_root and len(corrections) == 1 and step[1] < step.max() / 2:
-        correction[:, 1] = 0.0  # the path goes on elsewhere, on the same floor
-    return inside + correction
+    return inside + (1 - share) * corrections[0] + share * corrections[-1]
+
+
+def _leaves_floor(motion: Motion, curve: Curve, frames: slice, values: np.ndarray) -> bool:
+    """Whether the feet of the frames at one end of a motion would leave the floor of the others
+    with other values of the root: the path goes on elsewhere, at the same height."""
+    has_ends = 0 < frames.start and frames.stop < len(motion)
+    if curve.spike_kind != "root elsewhere" or has_ends:
+        return False
+    toes = usual_toes(motion)
+    outside = slice(None, frames.start) if frames.start else slice(frames.stop, None)
+    off = floor_height(toes[frames]) - floor_height(toes[outside])
+    rise = curve.lever * float(np.mean(values[:, 1] - curve.values[frames, 1]))
+    return abs(off + rise) > abs(off)

@@ -35,7 +35,7 @@ KINDS = (
 - T-pose: a pose of reference at the start, which a jump ends
 - root elsewhere: the body is at another place for some frames, or from a frame on
 - turned: a rotation is turned, by the same turn, for some frames or from a frame on
-- limb turned: a hip or shoulder is turned, by a turn that begins and ends within a few frames
+- limb turned: a hip is turned, by a turn that begins and ends within a few frames
 - displaced: a rotation is another between a jump and the jump back
 - spike: a rotation jumps away and back within a few frames
 - length: a bone has another length than in the rest of the file
@@ -56,7 +56,7 @@ JOINTS_OF_KIND = {
     **dict.fromkeys(("T-pose", "jitter", "repeated"), (BODY,)),
     **dict.fromkeys(("jumps", "marked"), (BODY, *JOINTS)),
     "foot": (BODY, "left_toe", "right_toe"),
-    "limb turned": ("left_hip", "right_hip", "left_shoulder", "right_shoulder"),
+    "limb turned": ("left_hip", "right_hip"),
 }
 """JOINTS_OF_KIND: findings of these kinds are about one of these; others may be about any joint of
 the rig."""

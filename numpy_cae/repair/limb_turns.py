@@ -1,21 +1,22 @@
-"""Limbs that are turned for a while, by a turn that begins and ends within a few frames.
+"""Legs that are turned for a while, by a turn that begins and ends within a few frames.
 
-A hip or a shoulder whose rotation R is turned by a constant turn Q = exp(w), in its own frame or in
-its parent's, has
+A hip whose rotation R is turned by a constant turn Q = exp(w), in its own frame or in its parent's,
+has
 
     R'_t = R_t exp(s_t w)    or    R'_t = exp(s_t w) R_t
 
-where s rises from 0 to 1 within a few frames, and later falls back. A kick or a gesture changes a
-rotation as fast. Therefore each of these is asked, and each has a threshold. The first two, of the
-file, and the last two, of the manifold, may make up for each other a little (`WEAKEST_RATIO`):
+where s rises from 0 to 1 within a few frames, and later falls back. A kick changes a rotation as
+fast. Therefore each of these is asked, and each has a threshold. The first two, of the file, and
+the last two, of the manifold, may make up for each other a little (`WEAKEST_RATIO`):
 
 - undone, the turn leaves smaller accelerations while s rises and falls (`ROUGH_SHARE`)
-- the other joints move little meanwhile (`OTHERS_SHARE`), the elbow or knee too (`BEND_SHARE`)
+- the other joints move little meanwhile (`OTHERS_SHARE`), the knee too (`BEND_SHARE`)
 - of the difference from what the manifold fills in for the limb, R̂⁻¹ R' or R' R̂⁻¹ as a rotation
   vector, s w explains nearly all (`UNEXPLAINED_SHARE`): a kick is not a constant difference
-- the elbow or knee is about as bent as the manifold has it (`CHILD_SHARE`)
+- the knee is about as bent as the manifold has it (`CHILD_SHARE`)
 
-All is computed at about thirty frames a second.
+All is computed at about thirty frames a second. Arms are not looked at: people wave as a turned arm
+moves.
 """
 
 from collections.abc import Iterator, Sequence
@@ -59,11 +60,8 @@ MOST_TURNS = 2000
 hour of noise has a hundred times as many."""
 MOST_ASKED = 40
 """MOST_ASKED: the manifold is asked so often about a limb at most."""
-SURE_LEVEL = 0.8
-"""SURE_LEVEL: evidence below this share of its thresholds is certain, or below its thresholds if
-the turn begins and ends quickly: the legs of dances and kicks reach 0.81, and turn for longer."""
-QUICK_SECONDS = 0.1
-"""QUICK_SECONDS: a turn begins, or ends, quickly if within this time (s)."""
+SURE_LEVEL = 0.75
+"""SURE_LEVEL: evidence below this share of its thresholds is certain: dances reach 0.78."""
 MOST_LEVEL = 1.3
 """MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
 is not, the manifold is not asked."""
@@ -78,24 +76,17 @@ begins and ends is at most this share of that with it (geometric mean of both en
 OTHERS_SHARE = 0.4
 """OTHERS_SHARE: meanwhile the other joints turn by at most this share of the turn, in the mean."""
 BEND_SHARE = 0.7
-"""BEND_SHARE: meanwhile the elbow or knee turns by at most this share of the turn."""
+"""BEND_SHARE: meanwhile the knee turns by at most this share of the turn."""
 UNEXPLAINED_SHARE = 0.25
 """UNEXPLAINED_SHARE: of the squared difference from the filled limb, the turn leaves at most this
 share unexplained."""
 CHILD_SHARE = 0.6
-"""CHILD_SHARE: the elbow or knee differs from the filled one by at most this share of the turn."""
-ARM_CAUTION_RATIO = 2.0
-"""ARM_CAUTION_RATIO: for an arm each threshold is divided by this, since arms that gesture do what
-legs hardly do."""
-TURNED_JOINTS = {
-    f"{side}_{joint}": LIMBS[f"{side}_{limb}"]
-    for side in ("left", "right")
-    for joint, limb in (("hip", "leg"), ("shoulder", "arm"))
-}
+"""CHILD_SHARE: the knee differs from the filled one by at most this share of the turn."""
+TURNED_JOINTS = {f"{side}_hip": LIMBS[f"{side}_leg"] for side in ("left", "right")}
 """TURNED_JOINTS: the joints that may be turned, and the limbs that they move."""
-OTHERS = [0, 1, 2, *(JOINTS.index(name) + below for name in TURNED_JOINTS for below in (0, 1))]
-"""OTHERS: the joints of the twenty whose rotations are compared with that of a limb: hips, spine
-and chest, and the two upper ones of each limb."""
+COMPARED = ("hips", "spine", "chest", "shoulder", "elbow", "hip", "knee")
+OTHERS = [column for column, name in enumerate(JOINTS) if name.endswith(COMPARED)]
+"""COMPARED, OTHERS: the joints whose rotations are compared with that of a leg."""
 
 
 class Turn(NamedTuple):
@@ -159,11 +150,9 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
             degrees = np.degrees(np.linalg.norm(turn.vector))
             why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
             frames = (turn.first * step + 1, turn.end * step - 1)
-            longer = max(turn.risen - turn.first, turn.end - turn.falls)
-            if longer > QUICK_SECONDS * sparse.rate:
-                level /= SURE_LEVEL
-            status = "repaired" if level < 2 * sensitivity else "proposed"
-            sure = confidence(1 / level)
+            score = SURE_LEVEL / level
+            status = "repaired" if score * 2 * sensitivity > 1 else "proposed"
+            sure = confidence(score)
             found.append(Finding(name, frames, "limb turned", why, 0.0, sure, status))
     return found
 
@@ -204,8 +193,7 @@ def _best(
     both = np.sqrt(np.multiply(of_model, of_file))
     levels = np.maximum(both, np.maximum(of_model, of_file) / WEAKEST_RATIO)
     best = int(np.argmin(levels))
-    caution = ARM_CAUTION_RATIO if name.endswith("shoulder") else 1.0
-    return turns[best], caution * float(levels[best])
+    return turns[best], float(levels[best])
 
 
 def _alternatives(motion: Motion, name: str) -> Iterator[list[Turn]]:
