@@ -17,12 +17,8 @@ from studies.shared.options import parameters
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 SMALL = {
     "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
-    "damage": {
-        "TAKES": 1,
-        "HOLE_TAKES": 1,
-        "HOLES": (15, 45),
-        "PARTS": {"wrist": (("left_wrist",), 1.0)},
-    },
+    "damage": {"TAKES": 1, "HOLE_TAKES": 1, "EASED": ("twisted leg",), "HOLES": (15, 45)}
+    | {"PARTS": {"wrist": (("left_wrist",), 1.0)}},
     "sampling": {"DRAWN": 4},
     "comparison": {"QUERIES": 2, "OF_SCENE": 1, "SECONDS": 3.0, "NEAREST": 2},
     "depth": {"FILTERS": (4, 6, 8), "recipe": lambda name: Schedule(layer=Stage(rate=0.02))},

@@ -1,7 +1,7 @@
 """The table of statements, and the studies whose right answer is known."""
 
 from numpy_cae.training import Schedule, Stage
-from studies import claims
+from studies import claims, comparison
 from studies.comparison import EQUATION_4, RAW_EXTREMES
 from studies.shared.result import STATEMENTS, Result
 
@@ -11,6 +11,7 @@ def test_both_networks_are_judged_in_the_order_of_the_statements(
 ):
     small_manifold.save(tmp_path / "model.npz")
     monkeypatch.setattr(claims, "STUDIES", ("comparison", "representation"))
+    monkeypatch.setattr(comparison, "QUERIES", 2)
     monkeypatch.setattr(claims.depth, "FILTERS", (4, 6, 8))
     slow = Schedule(layer=Stage(rate=0.02))
     monkeypatch.setattr(claims.depth, "recipe", lambda name: slow)

@@ -11,7 +11,8 @@ def test_each_folder_is_left_out_once(tmp_path, monkeypatch):
     quick = Schedule(Stage(epochs=0), Stage(epochs=1, rescaled=True), initial="passing", rms=0.1)
     monkeypatch.setattr(sources, "recipe", lambda name: quick)
     monkeypatch.setattr(sources, "WINDOWS", 2)
-    monkeypatch.setattr(sources, "SEEDS", 2)
+    monkeypatch.setattr(sources, "SEEDS", 1)
+    monkeypatch.setattr(sources, "PS", (0.5, 0.9))
     for kind in ("walk", "squats"):
         write_series(plan_takes(0.4, 1, [kind]), tmp_path / kind, rate=30.0)
     result = sources.run([tmp_path / "walk", tmp_path / "squats"])
