@@ -22,7 +22,7 @@ def test_the_wrong_version_is_found(bug):
     assert any(failing_case(stated, bug.function(fixed=False)) for stated in properties(bug))
 
 
-@pytest.mark.parametrize("bug", BUGS[::4] + OF_LAYERS[::4], ids=lambda bug: bug.name)
+@pytest.mark.parametrize("bug", BUGS[::4] + OF_LAYERS[2::4], ids=lambda bug: bug.name)
 def test_the_fixed_version_holds(bug):
     for stated in properties(bug):
         assert failing_case(stated, bug.function(fixed=True)) is None, stated.name
