@@ -34,13 +34,13 @@ computation.
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 
-@dataclass(frozen=True, eq=False)
-class Blocks:
+class Blocks(NamedTuple):
     """A, G and C for filters of K taps over blocks of L frames.
 
     Attributes
@@ -51,26 +51,16 @@ class Blocks:
         From K taps to the S values that they are multiplied with.
     c : (L, S) array
         From S products to L frames of output.
+    frames, points, products : int
+        L, N and S.
     """
 
     a: np.ndarray
     g: np.ndarray
     c: np.ndarray
-
-    @property
-    def frames(self) -> int:
-        """L, the frames of output of a block."""
-        return self.c.shape[0]
-
-    @property
-    def points(self) -> int:
-        """N, the frames of input of a block."""
-        return self.a.shape[1]
-
-    @property
-    def products(self) -> int:
-        """S, the products of a block."""
-        return self.a.shape[0]
+    frames: int
+    points: int
+    products: int
 
 
 @lru_cache
@@ -97,7 +87,7 @@ def blocks(taps: int, frames: int, dtype: str = "float64") -> Blocks:
     for matrix in (a[needed], g[needed], c[needed].T):
         matrices.append(np.ascontiguousarray(matrix, dtype=dtype))
         matrices[-1].flags.writeable = False
-    return Blocks(*matrices)
+    return Blocks(*matrices, frames, points, len(matrices[0]))
 
 
 def block_length(frames: int, longest: int) -> tuple[int, int]:

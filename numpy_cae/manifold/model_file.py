@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from numpy_cae.array_file import load_arrays
+from numpy_cae.array_file import ModelFileError, load_arrays, one_line
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import motion_manifold, sequence_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
@@ -54,7 +54,13 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
         motion_manifold.FORMAT: MotionManifold.from_arrays,
         sequence_manifold.FORMAT: SequenceManifold.from_arrays,
     }
-    manifold = load_arrays(path, readers)
+    arrays = load_arrays(path, readers)
+    try:
+        manifold = readers[str(arrays["format"])](arrays)
+    except KeyError as error:
+        raise ModelFileError(f"{path}: it has no {error}") from None
+    except Exception as error:  # the arrays may hold anything
+        raise ModelFileError(f"{path}: {one_line(error)}") from None
     manifold.network = with_engine(manifold.network, engine)
     return manifold
 

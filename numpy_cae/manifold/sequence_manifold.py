@@ -140,7 +140,7 @@ def common_bones(sequences: Sequence[angles.AngleSequence]) -> tuple[angles.Angl
     """The table and the mean bones of motions that are learned together; ValueError if their rigs
     differ, since the same angles would be other poses."""
     table = sequences[0].table
-    if any(sequence.table is not table for sequence in sequences):
+    if any(sequence.table.name != table.name for sequence in sequences):
         raise ValueError("Human3.6M's own text and other motions have different columns: not both")
     bones = np.stack([sequence.offsets for sequence in sequences])
     mean = bones.mean(axis=0)

@@ -24,7 +24,6 @@ rotate, in the order of the numbers. Where `JOINTS` has no neck, the first table
 
 import json
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -38,58 +37,46 @@ ANGLES = slice(3, 54)
 """Rotation vectors (exponential maps) in radians."""
 
 
-@dataclass(frozen=True)
 class AngleTable:
     """The meaning of the 54 numbers.
 
     Parameters
     ----------
     name : str
-    joints : tuple of J str
-        Joints that are drawn, parents before children, the root first.
-    parents : tuple of J int
-    rotating : tuple of (joint, its axes)
-        Joints that rotate, in the order of the numbers, such as ("hips", "xyz").
+    parent : dict of joint to joint or None
+        The parent of each joint, None of the root.
+    rotating : dict of joint to axes
+        The joints that rotate, each with the axes that have an angle, in the order of the numbers.
+
+    Attributes
+    ----------
+    joints, parents : tuples of str and int
+        The joints, and the index of the parent of each.
+    columns : tuple of str
+        A name for each of the 54 numbers: "translation x", …, "hips x", …
+    indices : (51,) array of int
+        The indices of the 51 angles among the 3J numbers of all joints.
+    rotating_parents : list of int
+        For each joint the nearest ancestor that rotates, -1 for the root.
     """
 
-    name: str
-    joints: tuple[str, ...]
-    parents: tuple[int, ...]
-    rotating: tuple[tuple[str, str], ...]
-
-    @cached_property
-    def columns(self) -> tuple[str, ...]:
-        """A name for each of the 54 numbers: "translation x", …, "hips x", …"""
-        named = (("translation", "xyz"), *self.rotating)
-        return tuple(f"{joint} {axis}" for joint, axes in named for axis in axes)
-
-    @cached_property
-    def indices(self) -> np.ndarray:
-        """The indices of the 51 angles among the 3J numbers of all joints."""
-        starts = [(3 * self.joints.index(joint), axes) for joint, axes in self.rotating]
-        return np.array([start + "xyz".index(axis) for start, axes in starts for axis in axes])
-
-    @cached_property
-    def rotating_parents(self) -> tuple[int, ...]:
-        """For each joint the nearest ancestor that rotates, -1 for the root."""
-        rotating = {joint for joint, _ in self.rotating}
-        nearest = []
-        for parent in self.parents:
-            while parent >= 0 and self.joints[parent] not in rotating:
-                parent = self.parents[parent]
-            nearest.append(parent)
-        return tuple(nearest)
-
-
-def _table(name: str, parent: dict[str, str | None], rotating: dict[str, str]) -> AngleTable:
-    """The table with the parent of each joint, and the axes of those that rotate."""
-    joints = tuple(parent)
-    parents = tuple(-1 if joint is None else joints.index(joint) for joint in parent.values())
-    return AngleTable(name, joints, parents, tuple(rotating.items()))
+    def __init__(self, name: str, parent: dict[str, str | None], rotating: dict[str, str]):
+        self.name = name
+        self.joints = tuple(parent)
+        self.parents = tuple(-1 if p is None else self.joints.index(p) for p in parent.values())
+        named = [(joint, axis) for joint, axes in rotating.items() for axis in axes]
+        numbers = [*(("translation", axis) for axis in "xyz"), *named]
+        self.columns = tuple(f"{joint} {axis}" for joint, axis in numbers)
+        self.indices = np.array([3 * self.joints.index(j) + "xyz".index(axis) for j, axis in named])
+        self.rotating_parents: list[int] = []
+        for ancestor in self.parents:
+            while ancestor >= 0 and self.joints[ancestor] not in rotating:
+                ancestor = self.parents[ancestor]
+            self.rotating_parents.append(ancestor)
 
 
 _FILE = Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
-TABLES = {name: _table(name, **table) for name, table in json.loads(_FILE).items()}
+TABLES = {name: AngleTable(name, **table) for name, table in json.loads(_FILE).items()}
 SEVENTEEN, HUMAN36M_TABLE = TABLES.values()
 
 

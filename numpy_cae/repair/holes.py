@@ -290,7 +290,7 @@ def best_in_hole(
     pattern = np.where(always, "", kinds[hole].astype(str))
     margin = round(NEAR_SECONDS * rate)
     near = slice(max(hole.start - margin, 0), hole.stop + margin)
-    clip = replace(body, motion=body.motion.at(near))
+    clip = Body(body.motion.at(near), body.mean_lengths)
     missing = kinds[near] != b""
     known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
     trials = trials_in(known & tried, pattern, rate)
@@ -319,7 +319,7 @@ def _weights_of(
 
 def on_one(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarray:
     """The positions (F, 20, 3) with all unknown rotations on one curve."""
-    return replace(body, motion=on_curves(body.motion, missing, lambda *_: curve)).positions
+    return body_of(on_curves(body.motion, missing, lambda *_: curve))
 
 
 def on_strengths(

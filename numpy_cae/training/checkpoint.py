@@ -58,7 +58,7 @@ class Checkpoint:
             return
 
         try:
-            arrays = load_arrays(self.path, {FORMAT: dict})
+            arrays = load_arrays(self.path, [FORMAT])
         except ModelFileError as error:
             advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
             raise CheckpointError(f"{error}; {advice}") from None

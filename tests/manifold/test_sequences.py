@@ -1,5 +1,6 @@
 """The manifold of clips: learned from motions of one rig, and sampled."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -41,7 +42,8 @@ def test_a_seed_determines_the_weights_and_a_report_changes_nothing(manifold, se
         steps.append((state.epoch, state.step))
         manifold.network.denoise(manifold.normalise(cut_clips(sequences)))
 
-    again = learn_sequences(sequences, SHORT, 0, report, hidden=6, latent=3).network.weights
+    read_apart = [pickle.loads(pickle.dumps(sequence)) for sequence in sequences]  # in processes
+    again = learn_sequences(read_apart, SHORT, 0, report, hidden=6, latent=3).network.weights
     other = learn_sequences(sequences, SHORT, 1, hidden=6, latent=3).network.weights
     assert steps == [(0, 1), (0, 2), (1, 0)]
     for name, weight in manifold.network.weights.items():

@@ -82,7 +82,7 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     from numpy_cae.course.marks.class_marks import ClassMarks, write_feedback
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
-    marks = ClassMarks.read(files, args.roster, args.late)
+    marks = ClassMarks(files, args.roster, args.late)
     limits = (args.time_limit, int(args.memory_limit))
 
     def graded_file(file) -> FileReport:

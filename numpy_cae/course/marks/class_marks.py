@@ -8,13 +8,12 @@ import re
 import textwrap
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.marks import tables
 from numpy_cae.course.marks.handed_in import HandedIn
-from numpy_cae.course.marks.roster import Matching, Roster, decoded, match, read_roster, squashed
+from numpy_cae.course.marks.roster import Matching, decoded, match, read_roster, squashed
 from numpy_cae.course.marks.similar import similar_pairs
 from numpy_cae.verify.grading.student_file import FileReport
 from numpy_cae.verify.grading.submission import read_submission
@@ -52,29 +51,24 @@ def write_feedback(folder: Path, of_students: Mapping[str, Sequence[FileReport]]
             temporary.write_text(visible("\n".join(lines)), encoding="utf-8")
 
 
-@dataclass(frozen=True)
 class ClassMarks:
-    """The files of a class, with the roster and who in it handed them in, if there is one."""
+    """The files of a class, with the roster and who in it handed them in, if there is one.
 
-    files: Sequence[HandedIn]
-    roster: Roster | None
-    matching: Matching
-    late: frozenset[Path]
+    Reads the roster and the list of who was late; a ValueError says what is wrong.
+    """
 
-    @classmethod
-    def read(cls, files: Sequence[HandedIn], roster: Path | None, late: Path | None):
-        """Read the roster and the list of who was late; a ValueError says what is wrong."""
-        everyone = read_roster(roster) if roster else None
-        matching = match(files, everyone) if everyone else Matching({}, {}, ())
+    def __init__(self, files: Sequence[HandedIn], roster: Path | None, late: Path | None):
+        self.files = files
+        self.roster = read_roster(roster) if roster else None
+        self.matching = match(files, self.roster) if self.roster else Matching({}, {}, ())
         listed = decoded(late.read_bytes())[0].splitlines() if late else []
         names = {squashed(line) for line in listed} - {""}
-        are_late = (
+        self.late = {
             each.path
             for each in files
             if each.is_late
-            or names & {squashed(n) for n in (*each.called, matching.key(each.student))}
-        )
-        return cls(files, everyone, matching, frozenset(are_late))
+            or names & {squashed(n) for n in (*each.called, self.matching.key(each.student))}
+        }
 
     def lines(self, graded: Sequence[FileReport]) -> Iterator[str]:
         """Who was matched by what, and the points of each file."""

@@ -17,7 +17,6 @@ lengths: these are subject 02's.
 
 import json
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -25,38 +24,33 @@ from numpy_cae.mocap.coordinates import CMU_UNIT, require_unit, unit_name
 from numpy_cae.mocap.formats.text_file import MAX_LINE, TextFile
 from numpy_cae.motion import Motion, Note, Skeleton, quaternions
 
-
-class ExpmapRig(NamedTuple):
-    """One layout: its name, the metres in one unit of its lengths, the frames a second of text in
-    this layout, the rig in metres, the indices of its joints among all triples of angles, and the
-    numbers in a line."""
-
-    name: str
-    unit: float
-    rate: float
-    skeleton: Skeleton
-    joints: np.ndarray
-    width: int
-
-
 _LAYOUTS = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
 """_LAYOUTS: (joint, its parent, offset from the parent, optional tip) in the order of the text. The
 tip is an offset from the joint; if a row has one, the text holds three zeros for it after the
 joint's own numbers."""
 
 
-def _rig(name: str, unit: float, rate: float) -> ExpmapRig:
-    rows = _LAYOUTS[name]
-    names = tuple(row[0] for row in rows)
-    parents = tuple(-1 if row[1] is None else names.index(row[1]) for row in rows)
-    tips = {joint: unit * np.array(row[3]) for joint, row in enumerate(rows) if row[3:]}
-    skeleton = Skeleton(names, parents, unit * np.array([row[2] for row in rows]), tips)
-    *joints, triples = np.cumsum([0, *(len(row) - 2 for row in rows)])
-    return ExpmapRig(name, unit, rate, skeleton, np.array(joints), int(3 + 3 * triples))
+class ExpmapRig:
+    """One layout: its name, the metres in one unit of its lengths, the frames a second of text in
+    this layout, the rig in metres, the indices of its joints among all triples of angles, and the
+    numbers in a line."""
+
+    def __init__(self, name: str, unit: float, rate: float):
+        self.name = name
+        self.unit = unit
+        self.rate = rate
+        rows = _LAYOUTS[name]
+        names = tuple(row[0] for row in rows)
+        parents = tuple(-1 if row[1] is None else names.index(row[1]) for row in rows)
+        tips = {joint: unit * np.array(row[3]) for joint, row in enumerate(rows) if row[3:]}
+        self.skeleton = Skeleton(names, parents, unit * np.array([row[2] for row in rows]), tips)
+        *joints, triples = np.cumsum([0, *(len(row) - 2 for row in rows)])
+        self.joints = np.array(joints)
+        self.width = int(3 + 3 * triples)
 
 
-CMU = _rig("CMU", CMU_UNIT, rate=120.0)
-HUMAN36M = _rig("Human3.6M", 0.001, rate=50.0)
+CMU = ExpmapRig("CMU", CMU_UNIT, rate=120.0)
+HUMAN36M = ExpmapRig("Human3.6M", 0.001, rate=50.0)
 EXPMAP_RIGS = (CMU, HUMAN36M)
 
 _MIN_COMMAS = 40

@@ -3,8 +3,7 @@
 file -> Motion -> Body -> features -> network -> features -> Body -> Motion -> file
 """
 
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
@@ -128,12 +127,11 @@ def at_rate_of(
     return Akima1DInterpolator(near_times, near, method="makima")(frames)
 
 
-@dataclass(frozen=True)
 class Body:
     """The twenty joints of a motion as features on the mean skeleton, and the conversion back.
 
-    Quantities are computed lazily and cached. The first use raises `UnknownRigError` if joints are
-    missing from the rig. (F, ...) means thirty frames a second, (frames, ...) the file's frames.
+    (F, ...) means thirty frames a second, (frames, ...) the file's frames. `UnknownRigError` is
+    raised if joints are missing from the rig.
 
     Parameters
     ----------
@@ -141,35 +139,26 @@ class Body:
         Any rate, and any rig in which the twenty joints can be found.
     mean_lengths : (20,) array of float
         Bone lengths of the mean skeleton, in metres; the features describe a person with these.
+
+    Attributes
+    ----------
+    positions : (F, 20, 3) array
+        World positions on the motion's own bones in metres.
+    lengths : (20,) array
+        Mean length of each of the motion's own bones in metres.
+    features : (F, 63) array
+        The features on the mean skeleton.
+    root : RootTransform
+        The root transform of the first frame, on the mean skeleton.
     """
 
-    motion: Motion
-    mean_lengths: np.ndarray
-
-    @cached_property
-    def positions(self) -> np.ndarray:
-        """World positions at 30 frames a second on the motion's own bones, (F, 20, 3) in metres."""
-        return body_of(self.motion)
-
-    @cached_property
-    def lengths(self) -> np.ndarray:
-        """Mean length of each of the motion's own bones, (20,) in metres."""
-        return bone_lengths(self.positions)
-
-    @property
-    def features(self) -> np.ndarray:
-        """The features at 30 frames a second on the mean skeleton, (F, 63)."""
-        return self._features_and_root[0]
-
-    @property
-    def root(self) -> RootTransform:
-        """The root transform of the first frame, on the mean skeleton."""
-        return self._features_and_root[1]
-
-    @cached_property
-    def _features_and_root(self) -> tuple[np.ndarray, RootTransform]:
-        normalised = change_lengths(self.positions, self.lengths, self.mean_lengths)
-        return positions_to_features(normalised, RATE)
+    def __init__(self, motion: Motion, mean_lengths: np.ndarray):
+        self.motion = motion
+        self.mean_lengths = mean_lengths
+        self.positions = body_of(motion)
+        self.lengths = bone_lengths(self.positions)
+        normalised = change_lengths(self.positions, self.lengths, mean_lengths)
+        self.features, self.root = positions_to_features(normalised, RATE)
 
     def positions_of(self, features: np.ndarray, root: RootTransform | None = None) -> np.ndarray:
         """World positions of features (F, 63) on the motion's own bones, (F, 20, 3) in metres.
