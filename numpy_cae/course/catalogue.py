@@ -56,10 +56,8 @@ def patches_of(name: str) -> tuple[Patch, ...]:
     return tuple(patches_in(path.read_text("utf-8"), name)) if path.is_file() else ()
 
 
-@cache
-def wrong_function(patch: Patch, solution: Callable) -> Callable:
-    """The solution with a known mistake."""
-    return patch.applied_to(solution)
+wrong_function = cache(Patch.applied_to)
+"""wrong_function(patch, solution): the solution with a known mistake."""
 
 
 def _of_one_call(stated: Property, function: Callable, case: Case) -> list[np.ndarray]:

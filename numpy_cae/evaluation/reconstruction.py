@@ -24,13 +24,11 @@ SQUARED = "mean square, standardised"
 PCA_CLIPS = 1500
 """Training clips that PCA is fitted to."""
 
+Takes = Sequence[AngleSequence]
+
 
 def reconstruction(
-    name: str,
-    manifold: SequenceManifold,
-    training: Sequence[AngleSequence],
-    testing: Sequence[AngleSequence],
-    seed: int = 0,
+    name: str, manifold: SequenceManifold, training: Takes, testing: Takes, seed: int = 0
 ) -> Table:
     """Measure the manifold of an action on clips of test motions.
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from numpy_cae.fast.blocks import LayerSizes
 from numpy_cae.fast.thread_team import thread_team
-from numpy_cae.fast.workspace import Worker, Workspace
+from numpy_cae.fast.workspace import Layers, Worker, Workspace
 from numpy_cae.models import ConvAutoencoder, conv_autoencoder
-from numpy_cae.models.conv_layer import ConvLayer
 from numpy_cae.ops.shapes import require_shape
 
 MAX_FRAMES = 16 * 160
@@ -95,7 +94,7 @@ class FastConvAutoencoder(ConvAutoencoder):
     def _computed(
         self,
         compute: Callable[[Worker, np.ndarray], np.ndarray],
-        layers: Sequence[ConvLayer],
+        layers: Layers,
         x: np.ndarray,
         frames: int,
         shape: tuple[int, ...],
@@ -118,12 +117,7 @@ class FastConvAutoencoder(ConvAutoencoder):
         return out
 
     def _workspace(
-        self,
-        layers: Sequence[ConvLayer],
-        batch: int,
-        frames: int,
-        dtype: np.dtype,
-        rates: Sequence[int] = (),
+        self, layers: Layers, batch: int, frames: int, dtype: np.dtype, rates: Sequence[int] = ()
     ) -> Workspace:
         """The buffers for arguments of these sizes, from the last few that were used.
 

@@ -22,6 +22,7 @@ from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
 from numpy_cae.models.conv_layer import ConvLayer
 
 Filters = DirectConvolution | FilterSpectra
+Layers = Sequence[ConvLayer]
 
 
 class Worker:
@@ -150,10 +151,7 @@ class Workspace:
         self.workers = [Worker(part, self.filters, bounds, sizes[0].channels) for part in parts]
 
     def run(
-        self,
-        layers: Sequence[ConvLayer],
-        work: Callable[[Worker], None],
-        dws: Sequence[np.ndarray] = (),
+        self, layers: Layers, work: Callable[[Worker], None], dws: Sequence[np.ndarray] = ()
     ) -> None:
         """Call work(worker) for every worker, with the W of these layers; then compute `dws`."""
         changed = []

@@ -6,8 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+Arrays = Iterable[np.ndarray]
 
-def descend(parameters: Iterable[np.ndarray], gradients: Iterable[np.ndarray], rate: float) -> None:
+
+def descend(parameters: Arrays, gradients: Arrays, rate: float) -> None:
     """θ ← θ - η · dL/dθ, each parameter in place.
 
     Parameters
@@ -29,11 +31,7 @@ def descend(parameters: Iterable[np.ndarray], gradients: Iterable[np.ndarray], r
 
 
 def descend_with_momentum(
-    parameters: Iterable[np.ndarray],
-    velocities: Iterable[np.ndarray],
-    gradients: Iterable[np.ndarray],
-    rate: float,
-    momentum: float,
+    parameters: Arrays, velocities: Arrays, gradients: Arrays, rate: float, momentum: float
 ) -> None:
     """v ← μ v - η · dL/dθ,   θ ← θ + v   (Polyak 1964), both in place; holden2015 has no momentum.
 
@@ -103,7 +101,7 @@ class Sgd:
         named = parameters.items() if momentum else ()
         self.state = {f"velocity of {name}": np.zeros_like(array) for name, array in named}
 
-    def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
+    def update(self, gradients: Arrays, rate: float) -> None:
         """Take one step; the gradients are in the order of the parameters."""
         parameters = self.parameters.values()
         if self.momentum:
@@ -158,7 +156,7 @@ class Adam:
         self.count = np.zeros((), dtype=np.int64)
         self.state = {**self.means, **self.squares, "steps of Adam": self.count}
 
-    def update(self, gradients: Iterable[np.ndarray], rate: float) -> None:
+    def update(self, gradients: Arrays, rate: float) -> None:
         """Take one step in place; the gradients are in the order of the parameters."""
         self.count += 1
         # η · m̂ / (√v̂ + ε) = η r · m / (√v + ε · √(1 - β₂ᵗ)) with r = √(1 - β₂ᵗ) / (1 - β₁ᵗ)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
+from numpy_cae.models.sequential_autoencoder import Weights
 from numpy_cae.training.optimisers import Adam, Sgd
 from numpy_cae.training.schedule import SequenceSchedule, Stage, rate_at
 
@@ -58,7 +59,7 @@ class TrainingState:
     (1, {'layer 1': [2.0]})
     """
 
-    weights: dict[str, np.ndarray]  # all weights of the model, which training changes in place
+    weights: Weights  # all weights of the model, which training changes in place
     rng: np.random.Generator
     history: History = field(default_factory=History)
     stage: int = 0  # stages done
@@ -79,11 +80,7 @@ class TrainingState:
     started: float = 0.0  # when the stage would have started without an interruption
 
     def steps_of(
-        self,
-        name: str,
-        stage: Stage | SequenceSchedule,
-        parameters: dict[str, np.ndarray],
-        examples: int,
+        self, name: str, stage: Stage | SequenceSchedule, parameters: Weights, examples: int
     ) -> Iterator[tuple[int, float]]:
         """The loop over the epochs and the batches of a stage, of both networks.
 

@@ -8,6 +8,7 @@ submitted/ann_03.ipynb, 03_ann.ipynb, ann.ipynb
 
 import os
 import re
+import tempfile
 import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -115,29 +116,24 @@ def _inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[Found]:
 
 
 def _unzipped(path: Path, into: Path) -> list[Found]:
-    """The files of a zip file, written to numbered folders, unless it is damaged or too large."""
+    """The files of a zip file, written to folders of their own, unless it is damaged or too
+    large; no entry unpacks to more bytes than it declares."""
     files = []
-    left = MOST_BYTES
     try:
         with zipfile.ZipFile(path) as packed:
             entries = [each for each in packed.infolist() if not each.is_dir()]
             if len(entries) > MOST_FILES:
                 raise ValueError(f"it holds more than {MOST_FILES} files")
-            for entry in entries:
+            kept = [each for each in entries if Path(each.filename).suffix in (*SUFFIXES, ZIP)]
+            if sum(each.file_size for each in kept) > MOST_BYTES:
+                raise ValueError(f"its files are larger than {MOST_BYTES // 2**20} MB")
+            for entry in kept:
                 parts = entry.filename.replace("\\", "/").split("/")
                 place = PurePosixPath(*(part for part in parts if part not in ("", ".", "..")))
-                if place.suffix not in (*SUFFIXES, ZIP):
-                    continue
-                with packed.open(entry) as file:
-                    content = file.read(left + 1)
-                left -= len(content)
-                if left < 0:
-                    raise ValueError(f"its files are larger than {MOST_BYTES // 2**20} MB")
-                folder = into / str(len(list(into.iterdir())))
-                folder.mkdir()
                 file_name = os.fsdecode(place.name.encode("utf-8", "surrogateescape"))
-                (folder / file_name).write_bytes(content)
-                files.append((folder / file_name, place, ""))
+                file = Path(tempfile.mkdtemp(dir=into), file_name)
+                file.write_bytes(packed.read(entry))
+                files.append((file, place, ""))
     except (ValueError, OSError, RuntimeError, NotImplementedError, zipfile.BadZipFile) as error:
         return [(path, _place(path.name), f"the zip file is not opened: {error}")]
     return files

@@ -12,6 +12,7 @@ import csv
 import io
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -97,10 +98,8 @@ def decoded(content: bytes) -> tuple[str, str]:
     """The text of a file, and its encoding."""
     marked = [name for mark, name in MARKS if content.startswith(mark)]
     for encoding in (*marked, "utf-8", "cp1252"):
-        try:
+        with suppress(UnicodeDecodeError):
             return content.decode(encoding), encoding
-        except UnicodeDecodeError:
-            continue
     return content.decode("latin-1"), "latin-1"
 
 

@@ -17,13 +17,11 @@ NOTHING = "nothing handed in"
 MARKS = Roster((), {}, (), "utf-8", ",")
 """MARKS: the form in which tables are written."""
 Row = dict[str, str | int | float]
+Reports = Mapping[str, Sequence[FileReport]]
 
 
 def write_tables(
-    path: Path,
-    by_student: Mapping[str, Sequence[FileReport]],
-    roster: Roster | None = None,
-    late: Collection[Path] = (),
+    path: Path, by_student: Reports, roster: Roster | None = None, late: Collection[Path] = ()
 ) -> list[Row]:
     """Write the marks and the statistics beside them; returns the rows of the marks.
 

@@ -84,7 +84,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     require_finite(after)
     is_bvh = source.suffix.lower() == ".bvh"
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
-    numbers = _all if is_bvh else _amc_numbers(channels, before.skeleton.names)
+    numbers = None if is_bvh else _amc_numbers(channels, before.skeleton.names)
     replacer = _Replacer(channels, numbers)
     cut = len(before) - len(after)
     with (
@@ -137,7 +137,7 @@ class _Replacer:
         What channels do not allow: joint and unit, ° or cm, to the largest amount.
     """
 
-    def __init__(self, channels: list[Channels], numbers: _Numbers):
+    def __init__(self, channels: list[Channels], numbers: _Numbers | None):
         self.channels = channels
         self.numbers = numbers
         self.last: np.ndarray | None = None
@@ -177,10 +177,12 @@ class _Replacer:
         for frame in frames:
             # Frames are split again later: the words of all of them do not fit in the cache.
             pieces, words = _split(texts[frame])
-            order = self.numbers([pieces[word] for word in words])
-            places_in[frame] = [words[index] for index in order]
-            if len(order) != width:
-                problem = f"a frame has {len(order)} numbers, but had {width} when it was read"
+            order = self.numbers([pieces[word] for word in words]) if self.numbers else None
+            places_in[frame] = [words[index] for index in order] if order else list(words)
+            if len(places_in[frame]) != width:
+                problem = (
+                    f"a frame has {len(places_in[frame])} numbers, but had {width} when it was read"
+                )
                 raise ValueError(problem)
             texts_of_numbers = [pieces[place] for place in places_in[frame]]
             try:
@@ -201,10 +203,29 @@ class _Replacer:
             name = after.skeleton.names[joint]
             if turned[:, joint].any():
                 rotations = after.rotations[:, joint]
-                angle = _put_angles(values, self.last, rotations, turned[:, joint], of_joint)
+                angle = self._put_angles(values, rotations, turned[:, joint], of_joint)
                 self._note(name, "°", angle)
             if len(of_joint.coordinates) < 3:
                 self._note(name, " cm", float(steps[:, joint].max()))
+
+    def _put_angles(
+        self, values: np.ndarray, rotations: np.ndarray, turned: np.ndarray, channels: Channels
+    ) -> float:
+        """Put the angles of a joint's changed frames into `values`; return the largest error,
+        degrees."""
+        columns = channels.columns("r")
+        miss = 0.0
+        for first, end in runs(turned):
+            before = values[first - 1, columns] if first else None
+            before = self.last[columns] if first == 0 and self.last is not None else before
+            after = values[end, columns] if end < len(values) else None
+            wanted = rotations[first:end]
+            angles = channels.rotation_values(wanted, values[first:end, columns], before, after)
+            values[first:end, columns] = angles
+            if len(columns) < 3:
+                off = angle(product(inverse(channels.rotations(angles)), wanted))
+                miss = max(miss, float(np.degrees(off.max())))
+        return miss
 
     def _note(self, joint: str, unit: str, miss: float) -> None:
         if miss > _NOTICEABLE:
@@ -223,29 +244,6 @@ def _split(text: str) -> tuple[list[str], Sequence[int]]:
         return pieces, range(1, len(pieces), 2)
     pieces = _GAPS.split(text)
     return pieces, [place for place in range(0, len(pieces), 2) if pieces[place]]
-
-
-def _put_angles(
-    values: np.ndarray,
-    last: np.ndarray | None,
-    rotations: np.ndarray,
-    turned: np.ndarray,
-    channels: Channels,
-) -> float:
-    """Put the angles of a joint's changed frames into `values`; return the largest error (°)."""
-    columns = channels.columns("r")
-    miss = 0.0
-    for first, end in runs(turned):
-        before = values[first - 1, columns] if first else None
-        before = last[columns] if first == 0 and last is not None else before
-        after = values[end, columns] if end < len(values) else None
-        wanted = rotations[first:end]
-        angles = channels.rotation_values(wanted, values[first:end, columns], before, after)
-        values[first:end, columns] = angles
-        if len(columns) < 3:
-            off = angle(product(inverse(channels.rotations(angles)), wanted))
-            miss = max(miss, float(np.degrees(off.max())))
-    return miss
 
 
 def _decimals(texts: list[str], places_in: dict[int, list[int]]) -> int:
@@ -274,10 +272,6 @@ def _parts(lines: Iterable[str], is_bvh: bool) -> Iterator[str]:
             part = []
         part.append(line)
     yield "".join(part)
-
-
-def _all(words: list[str]) -> range:
-    return range(len(words))
 
 
 def _amc_numbers(channels: list[Channels], names: Sequence[str]) -> _Numbers:
