@@ -296,7 +296,8 @@ def problem_of_lengths(lengths: np.ndarray) -> str:
         return f"{problem}, expected {LEGS[0]:g} to {LEGS[1]:g} m; is the unit another?"
     for joint, parent in list(enumerate(PARENTS))[1:]:
         if lengths[joint] <= _NO_LENGTH and (parent == 0 or lengths[parent] <= _NO_LENGTH):
-            return f"the bone to {JOINTS[joint]} has no length: the joint is at {JOINTS[parent]}"
+            problem = f"the bone to {JOINTS[joint]} has no length: the joint is at {JOINTS[parent]}"
+            return f"{problem}; is this a person? `numpy-cae rig FILE` lists its joints"
     return ""
 
 

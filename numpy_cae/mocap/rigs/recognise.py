@@ -72,6 +72,11 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
         problem = _doubt(proposed)
         if not problem:
             return _noted(proposed, _how_found(proposed, names))
+    estimated = with_added_joints(by_names, estimate=True)
+    complete = len(estimated.rig.found) == len(JOINTS) and not is_complete
+    if complete and not order_problem(estimated.skeleton, estimated.rig):
+        text = f"is this a person? {_doubt(estimated)}; {_how_found(estimated, names)}"
+        return _noted(estimated, text, in_doubt=True)
     is_unknown = problem and not is_complete
     return _noted(by_names, f"rig not recognised: {problem}" if is_unknown else "", in_doubt=True)
 
