@@ -17,8 +17,8 @@ from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.windows import LENGTH, cut_windows
 from numpy_cae.training import Checkpoint, Schedule, SequenceSchedule, TrainingState
 from numpy_cae.training.layerwise import train_autoencoder
+from numpy_cae.training.loop import HELD_OUT
 from numpy_cae.training.sequential import train_sequential
-from numpy_cae.training.state import HELD_OUT
 
 MAX_WINDOW_RMS = 2.0
 """MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than

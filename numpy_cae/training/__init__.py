@@ -7,6 +7,7 @@ functions are given it.
 
 from numpy_cae.training.checkpoint import Checkpoint, CheckpointError
 from numpy_cae.training.layerwise import train_autoencoder
+from numpy_cae.training.loop import DivergedError, History, TrainingState
 from numpy_cae.training.optimisers import Adam, clip_norm
 from numpy_cae.training.progress import ProgressPrinter
 from numpy_cae.training.schedule import (
@@ -18,7 +19,6 @@ from numpy_cae.training.schedule import (
     recipe,
 )
 from numpy_cae.training.sequential import train_sequential
-from numpy_cae.training.state import DivergedError, History, TrainingState
 from numpy_cae.training.step import unit_directions, zero_values
 
 __all__ = [name for name in dir() if not name.startswith("_")]

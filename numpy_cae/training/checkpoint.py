@@ -15,7 +15,7 @@ import numpy as np
 
 from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays
 from numpy_cae.errors import FileError, NumpyCaeError
-from numpy_cae.training.state import History, TrainingState
+from numpy_cae.training.loop import History, TrainingState
 
 FORMAT = "numpy_cae checkpoint 5"
 POSITION = ("stage", "epoch", "step", "total")

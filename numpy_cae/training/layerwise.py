@@ -11,8 +11,8 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
+from numpy_cae.training.loop import History, TrainingState
 from numpy_cae.training.schedule import Schedule
-from numpy_cae.training.state import History, TrainingState
 from numpy_cae.training.step import denoising_step, drawn_inputs
 
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from numpy_cae.models import SequentialAutoencoder
 from numpy_cae.training.checkpoint import Checkpoint, fingerprint
+from numpy_cae.training.loop import History, TrainingState
 from numpy_cae.training.schedule import SequenceSchedule
-from numpy_cae.training.state import History, TrainingState
 from numpy_cae.training.step import sequence_step
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]

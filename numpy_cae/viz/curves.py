@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.training.state import HELD_OUT
+from numpy_cae.training.loop import HELD_OUT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

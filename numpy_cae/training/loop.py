@@ -1,4 +1,4 @@
-"""Where a training stands, and what it has measured."""
+"""The loop of epochs and batches, where a training stands in it, and what it has measured."""
 
 import time
 from collections.abc import Callable, Iterator
