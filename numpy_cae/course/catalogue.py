@@ -9,42 +9,46 @@ of `numpy_cae.verify.operations.patch`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.course.exercises.checks import arrays_in
 from numpy_cae.course.exercises.entries import NUMBERS, entries_of
 from numpy_cae.course.exercises.exercise import exercises_of
 from numpy_cae.course.exercises.lesson_12 import VERDICTS
 from numpy_cae.verify.operations import catalogue as operations
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.catalogue import Exercise
-from numpy_cae.verify.operations.diagnosis import SEVERAL, misplaced_gradient, same
 from numpy_cae.verify.operations.patch import Patch, patches_in
-from numpy_cae.verify.operations.property import Property, drawn_upstream, failure
+from numpy_cae.verify.operations.property import Property, failing_case, failure
+from numpy_cae.verify.operations.trial import SEVERAL, misplaced_gradient, same
 
 FOLDER = Path(__file__).parent / "known_mistakes"
 
 
-def likely_mistake(stated: Property, implementation: Callable, solution: Callable) -> str:
+def likely_mistake(stated: Property, implementation: Callable, exercise: Exercise) -> str:
     """The sentence on the mistake because of which a property does not hold, or "".
 
     It is named only if the wrong function does in every case of the property what the
-    implementation does, and the solution in several cases does not.
+    implementation does, the solution in several cases does not, and the implementation fails where
+    the mistake is caught, too.
     """
+    caught_by = {each.name: each for each in exercise.properties}
     cases = stated.cases()
     for observed in (_of_one_call, _of_every_call):
         results = [observed(stated, implementation, case) for case in cases]
-        right = (observed(stated, solution, case) for case in cases)
+        right = (observed(stated, exercise.solution, case) for case in cases)
         if sum(not same(*pair) for pair in zip(results, right, strict=True)) < SEVERAL:
             continue  # it fails with other arguments, which the check makes of the case's
         for patch in patches_of(stated.operation):
-            wrong = wrong_function(patch, solution)
+            wrong = wrong_function(patch, exercise.solution)
             others = (observed(stated, wrong, case) for case in cases)
-            if all(same(*pair) for pair in zip(results, others, strict=False)):
+            does_the_same = all(same(*pair) for pair in zip(results, others, strict=False))
+            if does_the_same and failing_case(caught_by[patch.caught_by], implementation):
                 return patch.sentence
     return ""
 
@@ -65,7 +69,7 @@ def _of_one_call(stated: Property, function: Callable, case: Case) -> list[np.nd
     given = list(stated.arguments(case).values())
     try:
         with np.errstate(all="ignore"):
-            return [*_arrays(function(*given), case), *_arrays(given, case)]
+            return arrays_in([function(*given), given], case)
     except (Exception, SystemExit) as error:
         return [_named(error)]
 
@@ -80,7 +84,7 @@ def _of_every_call(stated: Property, function: Callable, case: Case) -> list[np.
         except Exception as error:
             seen.append(_named(error))
             raise
-        seen.extend([np.array("returned"), *_arrays(returned, case), *_arrays(arguments, case)])
+        seen.extend([np.array("returned"), *arrays_in([returned, arguments], case)])
         return returned
 
     failure(stated, recorded, case)
@@ -91,22 +95,6 @@ def _named(error: BaseException) -> np.ndarray:
     """The error by its type and text; of an AssertionError, the text is the student's own."""
     is_own = isinstance(error, AssertionError)
     return np.array(type(error).__name__ if is_own else repr(error))
-
-
-def _arrays(thing: object, case: Case) -> Iterator[np.ndarray]:
-    """The arrays and numbers in a thing, those that a pullback returns, and a recorder's calls."""
-    if hasattr(thing, "calls"):
-        yield from _arrays(thing.calls, case)
-    elif isinstance(thing, dict):
-        yield from _arrays([thing[name] for name in sorted(thing)], case)
-    elif isinstance(thing, tuple) and len(thing) == 2 and callable(thing[1]):
-        yield from _arrays(thing[0], case)
-        yield from _arrays(thing[1](drawn_upstream(case, thing[0])), case)
-    elif isinstance(thing, list | tuple):
-        for part in thing:
-            yield from _arrays(part, case)
-    elif isinstance(thing, np.ndarray | np.generic | float | int):
-        yield np.copy(thing)
 
 
 SHOWN_BY = {VERDICTS.operation: VERDICTS}
@@ -144,7 +132,7 @@ def diagnosis(exercise: Exercise) -> Callable[[Property, Callable], str]:
 
     def diagnose(stated: Property, implementation: Callable) -> str:
         shown_by = SHOWN_BY.get(stated.operation, stated)
-        mistake = likely_mistake(shown_by, implementation, exercise.solution)
+        mistake = likely_mistake(shown_by, implementation, exercise)
         operation = getattr(stated.check, "operation", None)
         if mistake or operation is None:
             return mistake

@@ -21,7 +21,7 @@ from types import ModuleType
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.checks.written import error_text, file_of
+from numpy_cae.verify.checks.mismatch import error_text, file_of
 from numpy_cae.verify.grading.submission import MAGIC
 from numpy_cae.verify.operations.trial import try_property
 

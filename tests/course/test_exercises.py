@@ -13,7 +13,8 @@ from numpy_cae.course.catalogue import EXERCISES, LESSONS
 from numpy_cae.course.exercises.entries import hints_of, with_hint
 from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
-from numpy_cae.verify.operations.trial import try_property
+from numpy_cae.verify.operations.patch import read_patches
+from numpy_cae.verify.operations.trial import failing_case, try_property
 
 
 def with_attribute(model, name, value):
@@ -21,6 +22,7 @@ def with_attribute(model, name, value):
     return model
 
 
+MEMORY_AND_CALLS = read_patches(Path(__file__).with_name("memory_and_calls"))
 OWN = [name for name in EXERCISES if name not in OPERATIONS]  # tests/verify tries the operations
 OF_PACKAGE = {
     "encode_layer": lambda x, *of: ConvLayer(*of, 0.9).encode_with_pullback(x)[0],
@@ -132,5 +134,12 @@ def test_a_counterexample_too_long_to_print_is_returned_by_example():
     assert 'example("to_features", frames=2, seed=0)' in str(course.report("to_features", zeros))
     example = course.example("to_features", frames=2, seed=0)
     assert list(example) == ["positions", "theta"] and example["positions"].shape == (2, 20, 3)
-    with pytest.raises(ValueError, match="to_features has the sizes frames, got fr"):
+    with pytest.raises(ValueError, match="to_features has the sizes frames, layout, got fr"):
         course.example("to_features", fr=2, seed=0)
+
+
+@pytest.mark.parametrize("patch", MEMORY_AND_CALLS, ids=lambda patch: patch.operation)
+def test_memory_order_and_later_calls_matter_to_every_exercise(patch):
+    stated = EXERCISES[patch.operation]
+    wrong = patch.applied_to(stated.solution)
+    assert [p.name for p in stated.properties if failing_case(p, wrong)] == [patch.caught_by]

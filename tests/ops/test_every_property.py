@@ -13,8 +13,7 @@ import values_by_loops
 from numpy_cae import ops
 from numpy_cae.verify.operations.catalogue import CATALOGUE
 from numpy_cae.verify.operations.operation import OPERATIONS, tied_layer
-from numpy_cae.verify.operations.shared_properties import shared_properties
-from numpy_cae.verify.operations.single_properties import single_properties
+from numpy_cae.verify.operations.shared_properties import own_properties, shared_properties
 from numpy_cae.verify.operations.trial import try_property
 
 
@@ -35,7 +34,7 @@ def test_no_operation_is_left_out():
     [
         tried
         for operation in OPERATIONS.values()
-        for tried in (*shared_properties(by_loops(operation)), *single_properties(operation))
+        for tried in (*shared_properties(by_loops(operation)), *own_properties(operation))
     ],
     ids=lambda tried: f"{tried.operation}: {tried.name}",
 )

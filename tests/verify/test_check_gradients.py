@@ -110,6 +110,13 @@ def test_what_computes_in_float32_is_judged_with_its_precision():
     assert "gradient for x, shape (3, 5), is wrong at" in judged(larger, np.ones((3, 5)))
 
 
+def test_what_rounding_hides_is_never_wrong():
+    hidden = lambda x: (np.r_[1e-8 * x, 1 / 3 + 1e-13 * x], lambda d: 1e-8 * d[:1] + 1e-13 * d[1:])  # noqa: E731
+    assert judged(hidden, np.ones(1)) == ""  # no step is seen in the second output
+    total = lambda x, w: (x.sum() * w, lambda dy: (np.sum(dy * w) + 0 * x, dy * x.sum()))  # noqa: E731
+    assert "is undecided in 3" in judged(total, *np.float32([[0.1, 0.2, -0.3], [1, 2, 3]]))
+
+
 def test_the_remainder_decides_where_a_tolerance_cannot():
     x = np.random.default_rng(0).standard_normal(50_000)
     slope = 2 * x

@@ -75,17 +75,11 @@ def test_the_command_grades_folders_and_goes_on_where_a_file_is_missing(tmp_path
     right.write_text(RIGHT)
     assert main(["verify", str(tmp_path / "nowhere.py"), str(tmp_path)]) == 1
     printed = capsys.readouterr().out
-    assert "there is no such file" in printed and "right.py: 10 of 10 points" in printed
-
-
-def test_the_status_of_the_command_tells(tmp_path, capsys):
-    right, wrong = tmp_path / "right.py", tmp_path / "wrong.py"
-    right.write_text(RIGHT)
-    wrong.write_text("import torch")
-    assert main(["verify", str(wrong)]) == 1
-    assert "no points, FAILED" in capsys.readouterr().out
+    assert "there is no such file" in printed and "right.py: 10 of 10 points, every" in printed
     assert main(["verify", str(right)]) == 0
-    assert "10 of 10 points, every property held" in capsys.readouterr().out
+    right.write_text("import torch")
+    assert main(["verify", str(right)]) == 1
+    assert "no points, FAILED" in capsys.readouterr().out
 
 
 def test_a_right_function_that_is_too_slow_for_the_largest_size_keeps_what_it_earned(graded):

@@ -109,8 +109,8 @@ def test_a_right_layer_is_right_with_any_seed(f, shapes, options, seed):
 
 
 def test_cases_do_not_depend_on_the_name():
-    other = lambda *arrays: normalised(*arrays)  # noqa: E731
-    one, two = (verify.properties_of(f, LAYER)[0].cases() for f in (normalised, other))
+    functions = (normalised, lambda *arrays: normalised(*arrays))
+    one, two = (verify.properties_of(f, LAYER)[0].cases() for f in functions)
     assert one == two != verify.properties_of(normalised, LAYER, seed=1)[0].cases()
 
 

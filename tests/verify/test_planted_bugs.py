@@ -13,8 +13,6 @@ from numpy_cae.verify.operations.patch import BUGS, Patch, read_patches, right_o
 from numpy_cae.verify.operations.property import GRADIENT
 from numpy_cae.verify.operations.trial import try_property
 
-FEW_CASES = 8
-
 SIZES_AND_HISTORY = read_patches(Path(__file__).parent / "sizes_and_history")
 """Mistakes that show only at the project's own sizes, in long sequences, or after several calls."""
 
@@ -27,7 +25,7 @@ def property_of(operation, name):
 
 @every_bug
 def test_each_is_caught_by_the_property_that_it_names_and_recognised(bug):
-    tried = replace(property_of(bug.operation, bug.caught_by), examples=FEW_CASES)
+    tried = replace(property_of(bug.operation, bug.caught_by), examples=8)
     outcome = try_property(tried, bug.function(), shrink=False)
     assert not outcome.held
     assert outcome.mistake == bug.sentence
@@ -53,11 +51,7 @@ def test_mistakes_of_large_sizes_and_of_several_calls_are_caught(bug):
         ("mean_absolute", lambda x, y, dx: 1.7 * dx, ""),
         ("mean_absolute", lambda x, y, dx: dx * len(y), "It is the right result times batch."),
         ("tanh", lambda x, y, dx: dx.astype(np.float32), "Digits are lost: "),
-        (
-            "unpool_even",
-            lambda x, y, dx: dx * (y.shape[1] % 2),
-            "It fails only where frames is ev",
-        ),
+        ("unpool_even", lambda x, y, dx: dx * (y.shape[1] % 2), "It fails only where frames is e"),
         ("mean_absolute", lambda x, y, dx: dx / y.all(), "It fails only where y has a 0"),
     ],
 )
@@ -73,7 +67,7 @@ def test_what_is_wrong_in_its_own_way_has_no_bug_but_what_was_seen(name, change,
 
 
 def test_a_patch_that_does_not_fit_the_source_fails_loudly():
-    old, new = ("return dy * 17",), ("return dy",)
-    bug = Patch("stale", "tanh", "value", "Made for another source.", ((old, new),))
+    replaced = ("return dy * 17",), ("return dy",)
+    bug = Patch("stale", "tanh", "value", "Made for another source.", (replaced,))
     with pytest.raises(ValueError, match=r"stale: found 0 times, expected once: return dy \* 17"):
         bug.function()

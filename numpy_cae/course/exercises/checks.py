@@ -4,19 +4,32 @@ An argument is a number, an array, a dict of arrays by name, a list of arrays, o
 pairs (w, b) of each layer.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import dataclass
 from inspect import signature
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import leaves, require_shape
-from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, Mismatch
-from numpy_cae.verify.operations.property import require_equal
+from numpy_cae.verify.checks import call as calling
+from numpy_cae.verify.checks import mismatch
+from numpy_cae.verify.checks.call import leaves, rebuilt, require_shape
+from numpy_cae.verify.checks.gradients import wrong_gradients
+from numpy_cae.verify.checks.mismatch import Mismatch
+from numpy_cae.verify.operations.case import LAYOUTS, Case
+from numpy_cae.verify.operations.property import drawn_upstream, require_equal
+from numpy_cae.verify.operations.trial import same
 
 Check = Callable[..., None]
 CHECKS: dict[tuple[str, str], Check] = {}
 """CHECKS: the checks that only one exercise has, by the names of the exercise and the property."""
+
+PULLBACK = "the pullback"
+AGREES = "it agrees with central differences of the function that you wrote"
+"""AGREES: the statement of each gradient's property."""
+KEY = re.compile(r"\w+\['(\w+)'\]")
+"""KEY: the name of an array in a dict, such as weights['w'], whose key is w."""
 
 
 def checks(exercise: str, name: str, copied: bool = True) -> Callable[[Check], Check]:
@@ -42,15 +55,51 @@ def on_copies(check: Check) -> Check:
     return with_copies
 
 
-def purity(function, case, **given):
+def purity(arguments, function, case, **given):
     """The property of every exercise whose arguments are arrays."""
-    before = deepcopy(given)
+    before = calling.all_leaves(deepcopy([*given.values()]), [*given])
     function(*given.values())
-    for name, argument in before.items():
-        after = dict(leaves(name, given[name]))
-        for part, array in leaves(name, argument):
-            if isinstance(array, np.ndarray) and not np.array_equal(after[part], array):
-                raise Mismatch(ALTERED, part, f"the call changes {part}")
+    after = calling.all_leaves([*given.values()], [*given])
+    for (part, array), (_, now) in zip(before, after, strict=True):
+        if isinstance(array, np.ndarray) and not np.array_equal(now, array):
+            raise Mismatch(mismatch.ALTERED, part, f"the call changes {part}")
+
+
+def strides(arguments, function, case, **given):
+    """The property that the memory order of the arguments does not matter."""
+    expected = arrays_in(function(*deepcopy(given).values()), case)
+    returned = function(*_changed(given, LAYOUTS[case.get("layout")]))
+    if not same(arrays_in(returned, case), expected):
+        text = f"of arrays {case.get('layout')}, it returns something else than of copies of them"
+        raise Mismatch(mismatch.NUMBER, "the result", text)
+
+
+def dtype(arguments, function, case, **given):
+    """The property that float32 stays float32; a Python number has no dtype to lose."""
+    narrowed = _changed(given, lambda a: a.astype(np.float32) if a.dtype == np.float64 else a)
+    for result in numbers_in(function(*narrowed), case):
+        if getattr(result, "dtype", None) == np.float64:
+            raise Mismatch(mismatch.DTYPE, "the result", "given float32, a result is float64")
+
+
+def independence(arguments, function, case, **given):
+    """The property that no call depends on another; `arguments` draws those of another call."""
+    first = function(*deepcopy(given).values())
+    kept = arrays_in(first, case)
+    function(*arguments(Case(case.sizes, case.seed + 1)).values())
+    if not same(arrays_in(first, case), kept):
+        text = "after another call, what the first one returned is another"
+        raise Mismatch(mismatch.OVERWRITTEN, "the result", text)
+    if not same(arrays_in(function(*deepcopy(given).values()), case), kept):
+        text = "called again after a call with other arguments, it returns something else"
+        raise Mismatch(mismatch.REPEATED, "the result", text)
+
+
+def _changed(given: Mapping[str, object], change: Callable) -> Iterator[object]:
+    """The arguments with every array changed."""
+    for name, argument in given.items():
+        parts = (change(p) if isinstance(p, np.ndarray) else p for _, p in leaves(name, argument))
+        yield rebuilt(argument, parts)
 
 
 class Recorded:
@@ -135,5 +184,75 @@ def require_parts(returned, names) -> tuple | list:
     expected = f"expected {len(names)}: {', '.join(names)}"
     if isinstance(returned, tuple | list):
         count = f"the number of things that it returns is {len(returned)}"
-        raise Mismatch(COUNT, "the number of things", f"{count}, {expected}")
+        raise Mismatch(mismatch.COUNT, "the number of things", f"{count}, {expected}")
     raise TypeError(f"it returns {type(returned).__name__}, {expected}")
+
+
+def arrays_in(thing: object, case: Case) -> list[np.ndarray]:
+    """Copies of the arrays and numbers in a thing."""
+    return [*map(np.copy, numbers_in(thing, case))]
+
+
+def numbers_in(thing: object, case: Case) -> Iterator[object]:
+    """The arrays and numbers in a thing, those that a pullback returns, and a recorder's calls."""
+    if hasattr(thing, "calls"):
+        yield from numbers_in(thing.calls, case)
+    elif isinstance(thing, dict):
+        yield from numbers_in([thing[name] for name in sorted(thing)], case)
+    elif isinstance(thing, tuple) and len(thing) == 2 and callable(thing[1]):
+        yield from numbers_in(thing[0], case)
+        yield from numbers_in(thing[1](drawn_upstream(case, thing[0])), case)
+    elif isinstance(thing, list | tuple):
+        for part in thing:
+            yield from numbers_in(part, case)
+    elif isinstance(thing, np.ndarray | np.generic | float | int):
+        yield thing
+
+
+@dataclass(frozen=True)
+class Differentiated:
+    """The checks of a function that returns a value and its derivatives.
+
+    `returns` names the things that the function returns, the value first. The second one is
+    `PULLBACK`, or the others are the gradients of a scalar value.
+    """
+
+    inputs: tuple[str, ...]  # the arguments that get a gradient, in the order of the gradients
+    returns: tuple[str, ...]
+
+    def gradient(self, only: Sequence[str], function: Callable, case: Case, **given) -> None:
+        """Gradients agree with differences; `only` names the arrays, none being all."""
+
+        def f(*values):
+            changed = dict(zip(self.inputs, values, strict=True))
+            value, *others = self._call(function, given | changed)
+            value = value if np.ndim(value) else np.float64(value)
+            return value, lambda upstream: self._pulled(others, upstream)
+
+        inputs = [given[i] for i in self.inputs]
+        named = [n for n, _ in calling.all_leaves(inputs, self.inputs)]
+        chosen = [n for n in named if not only or KEY.sub(r"\1", n) in only]
+        options = {"only": chosen, "kinks_excused": 1.0}  # sums may tie in the pooling
+        problems = wrong_gradients(f, inputs, self.inputs, case.rng(), **options)
+        function(*given.values())  # the call that a report shows
+        if problems:
+            first, *others = problems
+            also = (f"also: {other.subject}" for other in others)
+            raise Mismatch(first.kind, first.subject, "\n".join([str(first), *also]))
+
+    def upstream_default(self, function: Callable, case: Case, **given: object) -> None:
+        """Without an upstream gradient it is 1."""
+        _, pullback = self._call(function, given)
+        require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
+
+    def _call(self, function: Callable, given: Mapping[str, object]) -> list:
+        returned = require_parts(function(*given.values()), self.returns)
+        if PULLBACK in self.returns and not callable(returned[1]):
+            raise TypeError(f"it does not return {' and '.join(self.returns)}")
+        return list(returned)
+
+    def _pulled(self, others: list, upstream) -> object:
+        """The gradients for an upstream gradient, from what was returned after the value."""
+        if PULLBACK in self.returns:
+            return others[0](upstream)
+        return rebuilt(others, (g if g is None else upstream * g for _, g in leaves("", others)))

@@ -10,8 +10,8 @@ inputs      the arguments that get a gradient
 returns     what the function returns: the value, then `the pullback` or the gradients; without it,
             a function with inputs is an operation that only the lesson has
 linear_in   the arguments in which such an operation is linear
-float32     whether float32 has to stay float32
-pure        false if no argument can be altered
+float32     whether float32 has to stay float32 (`every_exercise.toml`)
+pure        false if no argument can be altered (`every_exercise.toml`)
 given       what a solution may call: operations, and exercises of earlier lessons
 hints       the hints that `course.report` prints with hint=1, a direction, and hint=2
 hint_for    with the second hint: the hint of a property that does not hold
@@ -37,12 +37,13 @@ NUMBERS = [path.stem.removeprefix("lesson_") for path in sorted(FOLDER.glob("les
 @cache
 def entries_of(number: str) -> dict[str, dict]:
     """The entries of each exercise of a lesson, by name."""
-    return {name: each for name, each in _read(number).items() if isinstance(each, dict)}
+    every = read_table(f"lesson_{number}").items()
+    return {name: each for name, each in every if isinstance(each, dict)}
 
 
 def made_by(number: str) -> str:
     """What the exercises of a lesson add up to."""
-    return _read(number)["makes"]
+    return read_table(f"lesson_{number}")["makes"]
 
 
 @cache
@@ -73,5 +74,6 @@ def with_hint(exercise: Exercise, stage: int) -> Exercise:
 
 
 @cache
-def _read(number: str) -> dict:
-    return tomllib.loads((FOLDER / f"lesson_{number}.toml").read_text(encoding="utf-8"))
+def read_table(name: str) -> dict:
+    """What a text file of this folder states."""
+    return tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))

@@ -13,10 +13,9 @@ from functools import partial
 from importlib import import_module
 
 from numpy_cae import ops
+from numpy_cae.course.exercises import checks
 from numpy_cae.course.exercises.arguments import Arguments, drawn
-from numpy_cae.course.exercises.checks import CHECKS, Check, on_copies, purity, same_as
-from numpy_cae.course.exercises.differentiated import AGREES, Differentiated
-from numpy_cae.course.exercises.entries import FOLDER, entries_of
+from numpy_cae.course.exercises.entries import FOLDER, entries_of, read_table
 from numpy_cae.verify.operations.case import Sizes
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation
@@ -24,8 +23,8 @@ from numpy_cae.verify.operations.property import GRADIENT, REST, VALUE, Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
 SOLUTIONS = "numpy_cae.course.solutions"
-FLOAT32 = {"states": "float32 stays float32", "form": True}
-PURE = {"states": "no argument is changed", "form": True}
+EVERY = read_table("every_exercise")
+"""EVERY: the properties that exercises share, by the entry that states that they have them."""
 
 
 SPECIAL: dict = {}
@@ -79,10 +78,8 @@ class Stated:
         if self.inputs and "returns" not in self.entries:
             return list(shared_properties(self._operation()))
         every = dict(self.entries.get("properties", {}))
-        if self.entries.get("float32"):
-            every["dtype"] = FLOAT32
-        if self.entries.get("pure", True):
-            every["purity"] = PURE
+        for entry, default in (("float32", False), ("pure", True)):
+            every |= EVERY[entry] if self.entries.get(entry, default) else {}
         return [
             self._property(name, {"states": each} if isinstance(each, str) else each)
             for name, each in every.items()
@@ -101,7 +98,7 @@ class Stated:
         form = REST if entry.get("form") else VALUE
         return Property(
             name,
-            entry.get("states", AGREES),
+            entry.get("states", checks.AGREES),
             lambda function, case: check(function, case, **self.arguments(case)),
             operation=self.solution.__name__,
             arguments=self.arguments,
@@ -110,19 +107,20 @@ class Stated:
             **options,
         )
 
-    def _check(self, name: str, gradient: str | None, part: str | list | None) -> Check:
+    def _check(self, name: str, gradient: str | None, part: str | list | None) -> checks.Check:
         """The check that only this exercise has, or the usual one for this property."""
-        if name == "purity":
-            return purity
-        if special := CHECKS.get((self.solution.__name__, name)):
+        if special := checks.CHECKS.get((self.solution.__name__, name)):
             return special
+        if any(name in shared for shared in EVERY.values()):
+            return partial(getattr(checks, name), self.arguments)
         returns = tuple(self.entries.get("returns", ()))
-        if "inputs" not in self.entries:
-            return on_copies(same_as(self.solution, returns, part))
-        differentiated = Differentiated(self.solution, self.inputs, returns)
-        if gradient is None:
-            return on_copies(getattr(differentiated, name.replace(" ", "_")))
-        return on_copies(partial(differentiated.gradient, gradient.split()))
+        differentiated = checks.Differentiated(self.inputs, returns)
+        if name == "upstream default":
+            return checks.on_copies(differentiated.upstream_default)
+        if gradient is not None:
+            return checks.on_copies(partial(differentiated.gradient, gradient.split()))
+        part = returns[0] if self.inputs else part
+        return checks.on_copies(checks.same_as(self.solution, returns, part))
 
 
 def _as_tuples(sizes: Mapping[str, list]) -> dict[str, tuple]:

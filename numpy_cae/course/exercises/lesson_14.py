@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from numpy_cae.course.exercises.checks import checks, require_parts, require_same
-from numpy_cae.course.exercises.differentiated import PULLBACK
+from numpy_cae.course.exercises.checks import PULLBACK, checks, require_parts, require_same
 from numpy_cae.course.solutions.lesson_14 import observed_error
 
 

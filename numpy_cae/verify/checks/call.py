@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from numpy_cae.verify.checks.mismatch import COUNT, NOT_FINITE, SHAPE, TYPE, Mismatch
-from numpy_cae.verify.checks.written import described
+from numpy_cae.verify.checks.mismatch import COUNT, NOT_FINITE, SHAPE, TYPE, Mismatch, described
 
 CONTAINERS = (dict, list, tuple)
 

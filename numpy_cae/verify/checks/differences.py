@@ -31,6 +31,8 @@ LARGEST_STEP = 2
 """LARGEST_STEP: no step is larger than so many times the size of an entry."""
 NEIGHBOURS = (0.8, 0.9, 1.1, 1.25)
 """NEIGHBOURS: a wrong number is confirmed at so many times the step of the most certain slope."""
+VISIBLE = 1 / 8
+"""VISIBLE: outputs that a step of so much of an entry does not move do not depend on it."""
 LEVEL = 0.1
 """LEVEL: slopes at large steps count if they differ from the next by at most this part."""
 SCATTER_MARGIN = 4
@@ -88,6 +90,7 @@ class Argument:
     gradient: np.ndarray
     epsilon: float
     tolerance: float
+    rounding: np.ndarray | float = 0.0  # what rounding the arguments to float32 may change of it
     together: bool = False  # all arrays of the arguments in one row
 
     def judge(self, direction: np.ndarray) -> Verdict:
@@ -145,6 +148,7 @@ class Argument:
             if not todo and len(slopes) == 1 + len(smaller) and len(_rates(slopes[::-1])) < 2:
                 todo += LARGER[:2]
         # Outputs that only a larger step moves are rounded at the smaller ones, too.
+        self._slope(direction, VISIBLE, analytic, depend)
         return [self._slope(direction, one.step, analytic, depend) for one in slopes], False
 
     def is_computed_in_float32(self) -> bool:
@@ -172,7 +176,8 @@ class Argument:
         weight = np.sum(dy[depend]) or np.max(dy, initial=0.0)
         terms = weight * np.max(np.abs(self.here), initial=0.0)
         terms += np.sum(np.abs(self.gradient * direction))
-        rounding = ROUNDING_MARGIN * self.epsilon * terms  # of the gradient
+        of_single = np.sum(self.rounding * np.abs(direction))
+        rounding = ROUNDING_MARGIN * (self.epsilon * terms + of_single)  # of the gradient
         is_wrong = off > self.tolerance * larger + SCATTER_MARGIN * scatter + rounding
         return WRONG if is_wrong else UNDECIDED
 

@@ -16,13 +16,14 @@ from numpy_cae.verify.checks import call as calling
 from numpy_cae.verify.checks import differences, mismatch
 from numpy_cae.verify.checks.call import all_leaves, copies, flat, is_array, is_float, parts
 from numpy_cae.verify.checks.differences import AGREES, SINGLE, WRONG, Argument, Verdict
-from numpy_cae.verify.checks.mismatch import Mismatch
-from numpy_cae.verify.checks.written import WORTH_PRINTING, written, written_apart
+from numpy_cae.verify.checks.mismatch import WORTH_PRINTING, Mismatch, written, written_apart
 
 EVERY_ENTRY_UP_TO = 100
 """EVERY_ENTRY_UP_TO: arrays of at most so many entries are checked entry by entry."""
 DIRECTIONS = 4
 """DIRECTIONS: a larger array is checked along so many random directions for each size of entry."""
+ROUNDED = 2
+"""ROUNDED: arrays of float32 are rounded so often to see what that changes of the gradients."""
 EQUAL_ENTRIES = (1.7, 2.9)
 """EQUAL_ENTRIES: frequencies by which the step of an entry depends on its size."""
 KINKS_EXCUSED = 0.05
@@ -214,8 +215,9 @@ class _Called:
                 calling.require_finite(f"the gradient for {name}", gradient)
         return gradients
 
-    def pulled_twice(self, upstream: Callable) -> Iterator[tuple[int, object, list]]:
-        """For each output its upstream gradient, and the gradients where all others' are 0.
+    def pulled_twice(self, upstream: Callable) -> Iterator[tuple[int, object, list, list]]:
+        """For each output its upstream gradient, the gradients where all others' are 0, and their
+        rounding.
 
         Raise unless no argument is altered, a second call returns the same, and the pullback is
         proportional to the upstream gradient, one result independent of the next.
@@ -239,7 +241,21 @@ class _Called:
             alone = _times(np.eye(len(dys))[number], dys)
             if dy is not None:
                 of_one = copies(self.pulled(pullback, alone)) if len(dys) > 1 else kept
-                yield number, dy, of_one
+                yield number, dy, of_one, self.rounding(alone, of_one)
+
+    def rounding(self, dys: Sequence, gradients: Sequence) -> list:
+        """What rounding the arrays of float32 once more changes of each gradient, at most."""
+        rng = np.random.default_rng(0)
+        leaves = [leaf for _, leaf in self.named]
+        narrow = [i for i, x in enumerate(leaves) if getattr(x, "dtype", None) == np.float32]
+        changes = [None if gradient is None else 0 * gradient for gradient in gradients]
+        for _ in range(ROUNDED if narrow else 0):
+            rounded = copies(leaves)
+            for i in narrow:
+                rounded[i] *= 1 + rng.choice(np.float32([-SINGLE, SINGLE]), leaves[i].shape)
+            both = zip(changes, self.pulled(self.outputs(rounded)[1], dys), gradients, strict=True)
+            changes = [c if c is None else np.maximum(c, np.abs(p - g)) for c, p, g in both]
+        return changes
 
     def _require_repeated(self, before: list, outputs: list, dys: list, kept: list) -> None:
         """Raise a Mismatch unless another call returns the same, and its pullback, too."""
@@ -261,14 +277,14 @@ def _times(factors: Sequence[float], dys: Sequence) -> list:
 def _arguments(called: _Called, upstream: Callable, tolerance: float) -> Iterator[Argument]:
     """Each array, with its gradient from each output and f as a function of it, in float64."""
     of_outputs = list(called.pulled_twice(upstream))
-    for number, dy, gradients in of_outputs:
+    for number, *pulled in of_outputs:
         suffix = f" from output {number}" if len(of_outputs) > 1 else ""
-        for argument in _arguments_of(called, number, dy, gradients, tolerance):
+        for argument in _arguments_of(called, number, *pulled, tolerance):
             yield replace(argument, name=argument.name + suffix)
 
 
 def _arguments_of(
-    called: _Called, number: int, dy: object, gradients: list, tolerance: float
+    called: _Called, number: int, dy: object, gradients: list, rounding: list, tolerance: float
 ) -> Iterator[Argument]:
     """The arguments for one output; the last one, TOGETHER, holds all arrays in one row."""
     leaves = [leaf for _, leaf in called.named]
@@ -283,7 +299,8 @@ def _arguments_of(
     for i in places:
         name = called.named[i][0]
         f = called.output_at(wide, [i], number)
-        argument = Argument(name, f, wide[i], gradient=gradients[i], **options)
+        pulled = {"gradient": gradients[i], "rounding": rounding[i]}
+        argument = Argument(name, f, wide[i], **pulled, **options)
         in_single |= argument.is_computed_in_float32()
         if called.chooses(name):
             yield argument
@@ -291,8 +308,9 @@ def _arguments_of(
         if in_single:
             options |= {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
         f = called.output_at(wide, places, number)
-        x, gradient = (flat([arrays[i] for i in places]) for arrays in (wide, gradients))
-        yield Argument(TOGETHER, f, x, gradient=gradient, together=True, **options)
+        x, *pulled = (flat([each[i] for i in places]) for each in (wide, gradients, rounding))
+        options |= dict(zip(("gradient", "rounding"), pulled, strict=True))
+        yield Argument(TOGETHER, f, x, together=True, **options)
 
 
 def _judge_together(at: Argument) -> Iterator[Mismatch]:

@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from numpy_cae.verify.checks.mismatch import ALTERED
+from numpy_cae.verify.checks.mismatch import ALTERED, LONGEST_TEXT
 from numpy_cae.verify.operations import catalogue
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.catalogue import Exercise
 from numpy_cae.verify.operations.property import Outcome, Property, failing_case, failure
 from numpy_cae.verify.operations.shared_properties import LARGEST
-from numpy_cae.verify.operations.trial import LONGEST_TEXT, try_property
+from numpy_cae.verify.operations.trial import try_property
 from numpy_cae.visible import visible
 
 WIDTH = 98

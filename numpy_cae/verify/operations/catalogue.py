@@ -14,8 +14,7 @@ from numpy_cae.verify.operations.case import ORDINARY, Case
 from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.patch import right_operation
 from numpy_cae.verify.operations.property import Property, right_results
-from numpy_cae.verify.operations.shared_properties import LARGEST, shared_properties
-from numpy_cae.verify.operations.single_properties import single_properties
+from numpy_cae.verify.operations.shared_properties import LARGEST, own_properties, shared_properties
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Exercise:
 
 def properties_of_operation(name: str) -> tuple[Property, ...]:
     """Every property of an operation."""
-    every = [*shared_properties(OPERATIONS[name]), *single_properties(OPERATIONS[name])]
+    every = [*shared_properties(OPERATIONS[name]), *own_properties(OPERATIONS[name])]
     return tuple(sorted(every, key=lambda stated: stated.name == LARGEST))  # it takes longest
 
 

@@ -80,6 +80,11 @@ def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray,
     return x_hat, pullback
 
 
+def right_operation(name: str) -> Callable:
+    """The project's own implementation of an operation."""
+    return getattr(ops, name, tied_layer)
+
+
 TABLE = tomllib.loads(Path(__file__).with_name("operations.toml").read_text(encoding="utf-8"))
 """TABLE: sizes, shapes and tolerances of the operations, and the properties of single ones."""
 CLASSES = {"values": tuple(VALUES)}
@@ -242,7 +247,7 @@ def _operation(name: str, row: Mapping) -> Operation:
         arguments,
         tuple(row["differentiated"].split()),
         linear_in=tuple(row.get("linear_in", "").split()),
-        reference=getattr(ops, name, tied_layer),  # for the code of others; that of ops: by loops
+        reference=right_operation(name),  # for the code of others; that of ops: by loops
         saturates=row.get("saturates", False),
         floor=row["floor"] * float(np.finfo(float).eps) if "floor" in row else None,
         without_ties=sizes_of(row.get("without_ties", {})),

@@ -21,8 +21,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from numpy_cae import ops
-from numpy_cae.verify.operations.operation import tied_layer
+from numpy_cae.verify.operations.operation import right_operation
 
 FOLDER = Path(__file__).parent
 HEADER = re.compile(r"(\w+) \(([\w ]*)\)")
@@ -72,11 +71,6 @@ def read_patches(folder: Path) -> tuple[Patch, ...]:
         for path in sorted(folder.glob("*.txt"))
         for patch in patches_in(path.read_text("utf-8"), path.stem)
     )
-
-
-def right_operation(name: str) -> Callable:
-    """The project's own implementation of an operation."""
-    return getattr(ops, name, tied_layer)
 
 
 def patches_in(text: str, operation: str) -> Iterator[Patch]:

@@ -1,7 +1,7 @@
 """A property: a sentence about an operation, and the check that tests an implementation for it.
 
 A check compares what an implementation returns with what it should return. The properties of all
-operations are in `shared_properties`, the properties of single ones in `single_properties`.
+operations, and of single ones, are in `shared_properties`.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from numpy_cae.verify.checks import mismatch
 from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
 from numpy_cae.verify.checks.differences import is_of_float32
-from numpy_cae.verify.checks.mismatch import ALTERED, COUNT, NUMBER, TYPE, Mismatch, what_failed
-from numpy_cae.verify.checks.written import written_apart
+from numpy_cae.verify.checks.mismatch import ALTERED, NUMBER, Mismatch
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
 from numpy_cae.verify.operations.operation import Operation
 
@@ -69,7 +69,7 @@ class Comparison:
                 for pair in self.pairs(self.operation, implementation, case):
                     seen.append(np.copy(pair.result))
         except (Exception, SystemExit) as error:
-            seen.append(np.array(what_failed(error)))
+            seen.append(np.array(mismatch.what_failed(error)))
         return seen
 
 
@@ -156,19 +156,13 @@ def property_of(
     return Property(name, statement, Comparison(operation, pairs), **{**options, **others})
 
 
-def require_equal(
-    what: str,
-    result,
-    expected,
-    tolerance: float = EXACT,
-    floor: float | None = None,
-    kind: str = NUMBER,
-) -> None:
-    """Raise a Mismatch unless two arrays agree in shape and, to rounding, in every entry.
+def require_equal(*pair: object) -> None:
+    """Raise a Mismatch unless the two arrays of a `Pair` agree, to rounding, in every entry.
 
     The tolerance is relative to the largest entry. With a floor, the tolerance is relative to
     each entry, plus the floor.
     """
+    what, result, expected, tolerance, floor, kind = Pair(*pair)
     result = np.asarray(result)
     expected = np.asarray(expected)
     require_shape(what, result, expected.shape)
@@ -184,7 +178,7 @@ def require_equal(
         place = f" at index {index}" if index else ""
         least = float(np.broadcast_to(allowed, off.shape)[index])  # what is smaller is rounding
         pair = (float(array[index]) for array in (result, expected))
-        one, other = written_apart(*(0.0 if abs(v) <= least else v for v in pair), 10)
+        one, other = mismatch.written_apart(*(0.0 if abs(v) <= least else v for v in pair), 10)
         text = f"{what} is {one}{place}, expected {other}"
         raise Mismatch(kind, what, text, result, expected)
 
@@ -203,10 +197,10 @@ def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
     gradients = gradients_of(pulled, len(operation.differentiated))
     if len(gradients) == 1 and isinstance(pulled, tuple | list):
         text = "return the one gradient itself, not a tuple that contains it"
-        raise Mismatch(COUNT, "the pullback", text)
+        raise Mismatch(mismatch.COUNT, "the pullback", text)
     if isinstance(pulled, list):
         text = "the pullback returns a list, expected a tuple of gradients"
-        raise Mismatch(TYPE, "the pullback", text)
+        raise Mismatch(mismatch.TYPE, "the pullback", text)
     named = dict(zip(operation.differentiated, gradients, strict=True))
     for name, gradient in named.items():
         require_array(f"the gradient for {name}", gradient)

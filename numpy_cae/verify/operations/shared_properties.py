@@ -13,7 +13,7 @@ from numpy_cae.verify.checks.gradients import TOGETHER, check_adjoint, wrong_gra
 from numpy_cae.verify.checks.mismatch import DTYPE, NUMBER, OVERWRITTEN, Mismatch
 from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, THE_SAME, Case
-from numpy_cae.verify.operations.operation import Operation
+from numpy_cae.verify.operations.operation import TABLE, Operation, sizes_of
 from numpy_cae.verify.operations.property import UPSTREAM, Pair, Pairs, Property, copies
 
 FLOAT32 = float(np.finfo(np.float32).eps)
@@ -63,6 +63,19 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
         longer["upstream"] = (ORDINARY, "random", "integers", "sparse")
         every = {"combined": ("values", "of"), "together": AT_FULL_SIZE}
         yield stated(LARGEST, SPECIAL, comparing.compared, longer, **every)
+
+
+def own_properties(operation: Operation) -> Iterator[Property]:
+    """The properties that only this operation has: ties, bounds, limits, zeros.
+
+    They are rows of the table `operations.toml`. Where one says what the definition returns for one
+    class of values, it has no function of its own.
+    """
+    for row in TABLE["properties"]:
+        if operation.name in row["operations"].split():
+            pairs = OWN_CHECKS.get(row["name"], comparing.compared)
+            classes = UPSTREAM | sizes_of(row.get("sizes", {}))
+            yield comparing.property_of(operation, row["name"], row["statement"], pairs, classes)
 
 
 def _value(operation: Operation, implementation: Callable, case: Case) -> Pairs:
@@ -377,3 +390,33 @@ SHARED = (
     ("independence", INDEPENDENT, _independence, UPSTREAM | WRITABLE, {}),
 )
 """(name, statement, pairs, classes, other fields of the property)."""
+
+
+def _zero_at_the_target(operation: Operation, mean_squared_error: Callable, case: Case) -> Pairs:
+    x = operation.arguments(case)["x"]
+    loss, pullback = mean_squared_error(x.copy(), x)
+    yield Pair("at the target the loss", loss, 0.0, 0)
+    dloss = comparing.drawn_upstream(case, loss)
+    yield Pair("at the target the gradient", pullback(dloss), np.zeros_like(x), 0)
+
+
+def _one_by_default(operation: Operation, loss: Callable, case: Case) -> Pairs:
+    for dtype in (np.float64, np.float32):
+        arrays = [array.astype(dtype) for array in operation.arguments(case).values()]
+        _, pullback = loss(*arrays)
+        by_default = pullback()
+        of_one = pullback(1.0)
+        yield Pair("by default the gradient", by_default, of_one, 0)
+        what = "by default the gradient's bytes a number"
+        yield Pair(what, by_default.itemsize, of_one.itemsize, 0)
+
+
+def _empty_slot(operation: Operation, unpool_random: Callable, case: Case) -> Pairs:
+    y, first = operation.arguments(case).values()
+    x, _ = unpool_random(y, first)
+    yield Pair("the other frame", np.where(first, x[:, 1::2], x[:, 0::2]), np.zeros_like(y), 0)
+
+
+OWN_CHECKS = {"zero at the target": _zero_at_the_target, "upstream default": _one_by_default}
+OWN_CHECKS["empty slot"] = _empty_slot
+"""OWN_CHECKS: what is compared for the properties of these names; for others the definition's."""

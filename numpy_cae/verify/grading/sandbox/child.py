@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
-from numpy_cae.verify.checks.written import error_text
+from numpy_cae.verify.checks.mismatch import error_text
 from numpy_cae.verify.grading.report import reply_of, tested
 from numpy_cae.verify.grading.sandbox import confinement
 from numpy_cae.verify.grading.submission import read_submission
