@@ -61,7 +61,10 @@ hour of noise has a hundred times as many."""
 MOST_ASKED = 40
 """MOST_ASKED: the manifold is asked so often about a limb at most."""
 SURE_LEVEL = 0.75
-"""SURE_LEVEL: evidence below this share of its thresholds is certain: dances reach 0.78."""
+"""SURE_LEVEL: evidence below this share of its thresholds is certain, or below its thresholds if
+the turn begins and ends quickly: the legs of dances reach 0.78, and turn for longer."""
+QUICK_SECONDS = 0.1
+"""QUICK_SECONDS: a turn begins, or ends, quickly if within this time (s)."""
 MOST_LEVEL = 1.3
 """MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
 is not, the manifold is not asked."""
@@ -150,7 +153,8 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
             degrees = np.degrees(np.linalg.norm(turn.vector))
             why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
             frames = (turn.first * step + 1, turn.end * step - 1)
-            score = SURE_LEVEL / level
+            longer = max(turn.risen - turn.first, turn.end - turn.falls)
+            score = (SURE_LEVEL if longer > QUICK_SECONDS * sparse.rate else 1.0) / level
             status = "repaired" if score * 2 * sensitivity > 1 else "proposed"
             sure = confidence(score)
             found.append(Finding(name, frames, "limb turned", why, 0.0, sure, status))
