@@ -13,8 +13,7 @@ from numpy_cae.evaluation.baselines import PCA
 from numpy_cae.evaluation.measures import angle_distance
 from numpy_cae.evaluation.table import Table
 from numpy_cae.manifold import SequenceManifold
-from numpy_cae.motion import cut_clips, draw_clips
-from numpy_cae.motion.angles import AngleSequence
+from numpy_cae.motion import AngleSequence, cut_clips, draw_clips
 
 NETWORK = "the network"
 LINEAR = "PCA"

@@ -9,9 +9,7 @@ import numpy as np
 
 from numpy_cae import array_file
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.motion import angles
-from numpy_cae.motion.clips import CLIP
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion import CLIP, Motion, angles
 
 FORMAT = "numpy_cae sequential manifold 4"
 """FORMAT: the only format that is read; a file of another version has to be made again."""

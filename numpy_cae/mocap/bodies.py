@@ -13,9 +13,8 @@ import numpy as np
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.load import find_motion_files, is_test, load_body
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
+from numpy_cae.motion import LENGTH, OVERLAP, RATE, Note, cut_windows
 from numpy_cae.motion.features import features_on_mean_skeleton
-from numpy_cae.motion.motion import RATE, Note
-from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
 WORTHWHILE_BYTES = 20e6
 """WORTHWHILE_BYTES: files of fewer bytes in all are read faster by one process than by several."""

@@ -30,8 +30,7 @@ from numpy_cae.mocap.retarget.body import body_of
 from numpy_cae.mocap.retarget.to_angles import angles_of
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.mocap.rigs.rigs import Mappings, RiggedMotion, UnknownRigError
-from numpy_cae.motion.angles import AngleSequence
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion import AngleSequence, Motion
 
 KEPT = (".bvh", ".amc")
 """KEPT: formats in which `FileMotion.save` keeps the text of what did not change."""

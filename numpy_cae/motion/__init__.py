@@ -4,8 +4,8 @@ This package knows no file and no rig: `numpy_cae.mocap` reads and writes files 
 joints of a rig. Of the rest of the project it imports nothing.
 """
 
-from numpy_cae.motion.angles import motion_of, on_floor
-from numpy_cae.motion.clips import cut_clips, draw_clips
+from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_floor
+from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
 from numpy_cae.motion.features import (
     POSITIONS,
     bone_lengths,
@@ -16,6 +16,6 @@ from numpy_cae.motion.features import (
 )
 from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import RATE, Motion, Note, Skeleton
-from numpy_cae.motion.windows import cut_windows
+from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
 __all__ = [name for name in dir() if not name.startswith("_")]

@@ -8,9 +8,8 @@ from itertools import cycle
 
 import numpy as np
 
+from numpy_cae.motion import JOINTS, PARENTS, Motion
 from numpy_cae.motion.features import features_to_positions, local_positions
-from numpy_cae.motion.joints import JOINTS, PARENTS
-from numpy_cae.motion.motion import Motion
 from numpy_cae.visible import visible
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 

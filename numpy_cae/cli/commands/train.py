@@ -29,24 +29,14 @@ from numpy_cae.manifold import learn_manifold, learn_sequences
 from numpy_cae.manifold.learning import HIDDEN, LATENT
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.load import is_test, load_angles
-from numpy_cae.motion import RATE
-from numpy_cae.motion.angles import ANGLE_RATE
-from numpy_cae.motion.clips import CLIP
-from numpy_cae.motion.windows import LENGTH
+from numpy_cae.motion import ANGLE_RATE, CLIP, LENGTH, RATE
 
-_STARTER = training.Stage(
-    epochs=50,
-    rate=3e-4,
-    alpha=0.0,
-    batch=16,
-    zeroed=(0.0, 0.3),
-    optimiser="adam",
-    rate_schedule="one-cycle",
-    displacement=0.3,
-    noise=0.02,
-)
+_STARTER = {"epochs": 50, "rate": 3e-4, "zeroed": (0.0, 0.3), "displacement": 0.3, "noise": 0.02}
+_BEST = training.RECIPES["best"]
 RECIPES = training.RECIPES | {
-    "starter": training.Schedule(layer=training.Stage(epochs=0), fine_tuning=_STARTER)
+    "starter": replace(
+        _BEST, fine_tuning=replace(_BEST.fine_tuning, **_STARTER, rescaled=False, norm=None)
+    )
 }
 
 COMMON = {

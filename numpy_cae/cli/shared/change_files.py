@@ -20,9 +20,8 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import working
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.mocap import UnknownRigError
+from numpy_cae.mocap import UnknownRigError, rig_of
 from numpy_cae.mocap.load import FileMotion, load_motion
-from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.repair import repaired as report
