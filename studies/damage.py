@@ -242,7 +242,7 @@ def curve_filling(curve: Curve, motion: Motion, mask: np.ndarray) -> Motion:
 def gaussian_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
     """The missing values from the mean of a Gaussian of 15 frames, given the known ones."""
     fitted = clips_of(manifold, [take.positions for take in evenly(takes, GAUSSIAN_TAKES)])
-    gaussian = Gaussian.fit(fitted.x, fitted.real)
+    gaussian = Gaussian(fitted.x, fitted.real)
 
     def fill_in(motion: Motion, mask: np.ndarray) -> Motion:
         holes = Holes(Body(motion, manifold.lengths), mask)

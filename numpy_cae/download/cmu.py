@@ -44,10 +44,7 @@ class DownloadError(NumpyCaeError):
 
 
 def download_cmu(
-    folder: str | Path,
-    subjects: Sequence[int],
-    site: str = SITE,
-    show_progress: bool = False,
+    folder: str | Path, subjects: Sequence[int], site: str = SITE, show_progress: bool = False
 ) -> list[Path]:
     """Download Acclaim files with pooch; files that the folder has are not downloaded again.
 

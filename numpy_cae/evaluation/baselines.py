@@ -43,11 +43,13 @@ the Gaussian is a little better on takes like those it is fitted to, and four ti
 of another source (docs/lab_book/other_sources.md)."""
 
 
-@dataclass(frozen=True)
 class Gaussian:
     """The moments of `TAPS` successive frames of normalised motion.
 
-    Parameters
+    From whole windows (N, T, C), around the frames that are `real`, (N, T) bool; frames beyond a
+    window are zero.
+
+    Attributes
     ----------
     mean : (TAPS · C,) array of float64
         m, by frame, then feature.
@@ -55,22 +57,17 @@ class Gaussian:
         E[z zᵀ]; S is E[z zᵀ] - m mᵀ.
     """
 
-    mean: np.ndarray
-    second: np.ndarray
-
-    @classmethod
-    def fit(cls, windows: np.ndarray, real: np.ndarray) -> Gaussian:
-        """From whole windows (N, T, C), around the frames that are `real`, (N, T) bool; frames
-        beyond a window are zero."""
+    def __init__(self, windows: np.ndarray, real: np.ndarray):
         size = TAPS * windows.shape[-1]
         total = np.zeros(size)
-        second = np.zeros((size, size))
+        self.second = np.zeros((size, size))
         for window, counts in zip(windows, real, strict=True):
             z = contexts(window)[counts]
             total += z.sum(axis=0)
-            second += z.T @ z
+            self.second += z.T @ z
         frames = np.count_nonzero(real)
-        return cls(total / frames, second / frames)
+        self.mean = total / frames
+        self.second /= frames
 
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).

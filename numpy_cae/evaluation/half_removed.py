@@ -74,7 +74,7 @@ class Repairs:
         self.manifold = manifold
         fitted = training.evenly(FITTED)
         self.pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
-        self.gaussian = Gaussian.fit(fitted.x, fitted.real)
+        self.gaussian = Gaussian(fitted.x, fitted.real)
 
     def of(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
         """The name of each method, and what it makes of the undamaged windows and of the damaged

@@ -75,8 +75,8 @@ class FastGru:
     name : {"encoder", "decoder"}
     clips : slice
         Which of a batch.
-    features, hidden, steps : int
-        F, H, T.
+    shape : three of int
+        F, H and T, the numbers of features, of hidden units and of steps.
     dtype : dtype
     training : bool
         Whether the pullbacks will be called. They are valid until the next call.
@@ -90,15 +90,9 @@ class FastGru:
     matrices: GruMatrices
 
     def __init__(
-        self,
-        name: str,
-        clips: slice,
-        features: int,
-        hidden: int,
-        steps: int,
-        dtype: np.dtype,
-        training: bool,
+        self, name: str, clips: slice, shape: tuple[int, int, int], dtype: np.dtype, training: bool
     ):
+        features, hidden, steps = shape
         self.name = name
         self.clips = clips
         self.hidden = hidden

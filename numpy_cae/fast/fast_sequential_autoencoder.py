@@ -61,7 +61,7 @@ class SequenceEngine(SequentialAutoencoder):
         most = len(x) * self.hidden // MIN_STATES_PER_THREAD
         threads = max(1, min(thread_team(self._threads).size, most, len(x)))
         dtype = np.result_type(x, self.weights["state_w"])
-        sizes = self.features, self.hidden, steps, dtype, self.training
+        sizes = (self.features, self.hidden, steps), dtype, self.training
         grus = self._make(name, len(x), threads, sizes)
         matrices = gru_matrices(self.weights, name)
         for gru in grus:

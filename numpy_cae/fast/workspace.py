@@ -145,7 +145,9 @@ class Workspace:
             if longest == 1:
                 self.filters.append(DirectConvolution(each))
             else:
-                padded = _whole_lines(each) if each is sizes[0] else each
+                # With channels of zeros, a frame of data fills its cache lines.
+                whole = -(-each.channels // ROW_PADDING) * ROW_PADDING
+                padded = replace(each, channels=whole) if each is sizes[0] else each
                 self.filters.append(FilterSpectra(padded, longest))
         parts = [share(batch, number, sharing) for number in range(sharing)]
         self.workers = [Worker(part, self.filters, bounds, sizes[0].channels) for part in parts]
@@ -183,8 +185,3 @@ class Workspace:
         self.team.run(run_thread, self.blas_threads)
         for spectra, w in changed:
             spectra.copy = None if spectra.sizes.training else bytearray(w.data)
-
-
-def _whole_lines(sizes: LayerSizes) -> LayerSizes:
-    """With channels of zeros, so that a frame of data fills its cache lines."""
-    return replace(sizes, channels=-(-sizes.channels // ROW_PADDING) * ROW_PADDING)

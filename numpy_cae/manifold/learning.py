@@ -10,16 +10,14 @@ from numpy_cae.manifold.model_file import with_engine
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.motion.angles import AngleSequence
-from numpy_cae.motion.clips import CLIP, cut_clips, draw_clips
+from numpy_cae.motion import CLIP, LENGTH, RATE, AngleSequence, cut_clips, cut_windows, draw_clips
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY, features_on_mean_skeleton
-from numpy_cae.motion.motion import RATE
-from numpy_cae.motion.windows import LENGTH, cut_windows
 from numpy_cae.training import Checkpoint, Schedule, SequenceSchedule, TrainingState
 from numpy_cae.training.layerwise import train_autoencoder
 from numpy_cae.training.loop import HELD_OUT
 from numpy_cae.training.sequential import train_sequential
 
+Report = Callable[[TrainingState], None]
 MAX_WINDOW_RMS = 2.0
 """MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than
 this times that of all: a person lying down among people standing would make training diverge."""
@@ -51,7 +49,7 @@ def learn_manifold(
     filters: Sequence[int] = (64, 128, 256),
     taps: int = 15,
     bound: float = 0.9,
-    report: Callable[[TrainingState], None] | None = None,
+    report: Report | None = None,
     checkpoint: Checkpoint | None = None,
     engine: str = "fast",
     mirror: bool = False,
@@ -141,10 +139,8 @@ def learn_manifold(
 
 
 def with_error(
-    report: Callable[[TrainingState], None] | None,
-    manifold: MotionManifold,
-    takes: Sequence[np.ndarray],
-) -> Callable[[TrainingState], None]:
+    report: Report | None, manifold: MotionManifold, takes: Sequence[np.ndarray]
+) -> Report:
     """The report, after the mean distance (cm) of the joints of takes from their projection was
     added to the history, at the end of each epoch in which the whole network learns. Of each take
     one window is projected, of at most `MOST_MEASURED` takes."""
@@ -174,7 +170,7 @@ def learn_sequences(
     sequences: Sequence[AngleSequence],
     schedule: SequenceSchedule | None = None,
     seed: int = 0,
-    report: Callable[[TrainingState], None] | None = None,
+    report: Report | None = None,
     checkpoint: Checkpoint | None = None,
     **network,
 ) -> SequenceManifold:
@@ -245,7 +241,7 @@ def train_on_sequences(
     sequences: Sequence[AngleSequence],
     schedule: SequenceSchedule | None,
     rng: np.random.Generator,
-    report: Callable[[TrainingState], None] | None = None,
+    report: Report | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> None:
     """Train the network of the manifold in place, on random clips of the motions."""

@@ -220,10 +220,8 @@ class MotionManifold:
         To bound memory, `WINDOWS_AT_ONCE` windows are completed together; the iteration ends for
         all of these at the same time.
         """
-        parts = [
-            slice(n, n + complete.WINDOWS_AT_ONCE)
-            for n in range(0, len(x), complete.WINDOWS_AT_ONCE)
-        ]
+        at_once = complete.WINDOWS_AT_ONCE
+        parts = [slice(n, n + at_once) for n in range(0, len(x), at_once)]
         each = ((x[part], known[part]) for part in parts)
         done = [
             complete.completed(
@@ -305,9 +303,8 @@ class MotionManifold:
         lengths = array_file.numbers(arrays, "lengths", (len(JOINTS),), 0.0, array_file.MAX_LENGTH)
         if problem := problem_of_lengths(lengths):
             raise ValueError(f"lengths: {problem}")
-        bound = array_file.numbers(
-            arrays, "bound", (), array_file.SMALLEST, 1 - array_file.SMALLEST
-        )
+        least = array_file.SMALLEST
+        bound = array_file.numbers(arrays, "bound", (), least, 1 - least)
         network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
         # The weights of the starter model are float16, to save space.
         dtype = np.promote_types(arrays["w1"].dtype, np.float32)

@@ -7,9 +7,9 @@ converts between a rig and the twenty joints. `load_motion` puts a file into met
 from numpy_cae.mocap.bodies import load_windows
 from numpy_cae.mocap.formats.read_bvh import read_bvh
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.formats.write_bvh import write_bvh
+from numpy_cae.mocap.formats.write_bvh import require_bvh, write_bvh
 from numpy_cae.mocap.load import find_motion_files, load_angles, load_body, load_motion, save
-from numpy_cae.mocap.retarget.body import body_of, body_positions
+from numpy_cae.mocap.retarget.body import Body, body_of, body_positions, hold_first_pose
 from numpy_cae.mocap.retarget.to_angles import angles_of
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import find_joints, rig_of

@@ -181,9 +181,8 @@ def with_unit_of_limbs(motion: RiggedMotion) -> RiggedMotion:
     motion = replace(motion, unit=unit, notes=(note, *motion.notes[1:]))
     if scale == 1:
         return motion
-    return replace(
-        motion, skeleton=motion.skeleton.scaled(scale), translations=scale * motion.translations
-    )
+    skeleton = motion.skeleton.scaled(scale)
+    return replace(motion, skeleton=skeleton, translations=scale * motion.translations)
 
 
 def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
@@ -194,11 +193,8 @@ def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
     component, up = _upright(body)
     if abs(component) < UPRIGHT_COSINE:
         return "y"
-    if _rests_at_zero(body, "y") and (
-        not _rests_at_zero(body, up) or _upright(rest[None])[1] == "y"
-    ):
-        return "y"
-    return up
+    doubtful = not _rests_at_zero(body, up) or _upright(rest[None])[1] == "y"
+    return "y" if doubtful and _rests_at_zero(body, "y") else up
 
 
 def _upright(body: np.ndarray) -> tuple[float, str]:
@@ -285,13 +281,8 @@ def _without_added(motion: Motion) -> Motion:
     if not isinstance(motion, RiggedMotion) or not motion.rig.added:
         return motion
     kept = slice(motion.rig.added[0])  # the joints that the file lacks are the last ones
-    skeleton = replace(
-        motion.skeleton,
-        names=motion.skeleton.names[kept],
-        parents=motion.skeleton.parents[kept],
-        offsets=motion.skeleton.offsets[kept],
-    )
+    whole = motion.skeleton
+    parts = {part: getattr(whole, part)[kept] for part in ("names", "parents", "offsets")}
     arrays = (motion.rotations[:, kept], motion.translations[:, kept])
-    return Motion(
-        skeleton, motion.rate, *arrays, motion.unit, motion.notes, motion.up, motion.floor
-    )
+    others = (motion.unit, motion.notes, motion.up, motion.floor)
+    return Motion(replace(whole, **parts), motion.rate, *arrays, *others)

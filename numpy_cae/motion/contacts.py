@@ -60,9 +60,8 @@ def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
         # The edge values are repeated: a clip may begin and end in the middle of a step.
         padded = np.pad(foot, _LEAST_FRAMES, mode="edge")
         window = np.ones(_LEAST_FRAMES, bool)
-        foot[:] = binary_opening(binary_closing(padded, window), window)[
-            _LEAST_FRAMES:-_LEAST_FRAMES
-        ]
+        steady = binary_opening(binary_closing(padded, window), window)
+        foot[:] = steady[_LEAST_FRAMES:-_LEAST_FRAMES]
     return stands
 
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion.joints import JOINTS, PARENTS, SIDES
 
 POSITIONS = slice(0, 3 * len(JOINTS))
 """x, y and z of each of the twenty joints, metres."""
@@ -235,9 +235,7 @@ def rotate_on_floor(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
     return np.stack([x * cos + z * sin, z * cos - x * sin], axis=-1)
 
 
-_LEGS = [
-    JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("knee", "ankle")
-]
+_LEGS = [JOINTS.index(f"{side}_{joint}") for side in SIDES for joint in ("knee", "ankle")]
 _NO_LENGTH = 1e-6
 """_NO_LENGTH: a bone shorter than this (m) has no direction. In the CMU BVH files both collars are
 exactly at the chest."""

@@ -18,9 +18,9 @@ Rotations are quaternions (F, 4).
 
 import numpy as np
 
-from numpy_cae.motion import quaternions
 from numpy_cae.motion.joints import JOINTS, PARENTS, REST_DIRECTIONS, REST_TIPS
 from numpy_cae.motion.motion import Motion, Note, Skeleton
+from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, nearest, product, rotate
 
 ROUNDING = 1e-9
 """ROUNDING: a difference below this, in radians or in metres at a bone's end, changes nothing."""
@@ -67,7 +67,7 @@ def fit_motion(positions: np.ndarray, lengths: np.ndarray, rate: float) -> Motio
     True
     """
     skeleton = body_skeleton(lengths)
-    rotations = np.tile(quaternions.IDENTITY, (len(positions), len(JOINTS), 1))
+    rotations = np.tile(IDENTITY, (len(positions), len(JOINTS), 1))
     turned = rotations.copy()
     for joint, parent in enumerate(PARENTS):
         before = turned[:, max(parent, 0)].copy()  # as the parent is rotated
@@ -75,12 +75,12 @@ def fit_motion(positions: np.ndarray, lengths: np.ndarray, rate: float) -> Motio
         bones = positions[:, ends] - positions[:, [joint]]
         rotation = before
         if len(ends) == 1:
-            rest = quaternions.rotate(before, skeleton.offsets[ends[0]])
-            rotation = quaternions.product(swing(rest, bones[:, 0]), before)
+            rest = rotate(before, skeleton.offsets[ends[0]])
+            rotation = product(swing(rest, bones[:, 0]), before)
         elif ends:
             rotation, skeleton.offsets[ends] = _fit(bones, skeleton.offsets[ends], before)
         turned[:, joint] = rotation
-        rotations[:, joint] = quaternions.product(quaternions.inverse(before), rotation)
+        rotations[:, joint] = product(inverse(before), rotation)
     translations = np.repeat(skeleton.offsets[None], len(positions), axis=0)
     translations[:, 0] = positions[:, 0]
     return Motion(skeleton, rate, rotations, translations, 0.01, (Note("unit", "centimetres"),))
@@ -94,14 +94,12 @@ def _fit(bones: np.ndarray, rest: np.ndarray, before: np.ndarray) -> tuple[np.nd
     """
 
     def rotations() -> np.ndarray:
-        return quaternions.product(
-            fit_fan(quaternions.rotate(before[:, None], rest), bones, _TAU), before
-        )
+        return product(fit_fan(rotate(before[:, None], rest), bones, _TAU), before)
 
     lengths = np.linalg.norm(rest, axis=1, keepdims=True)
     for _ in range(2):
-        mean = quaternions.rotate(quaternions.inverse(rotations())[:, None], bones).mean(axis=0)
-        rest = mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12) * lengths
+        mean = rotate(inverse(rotations())[:, None], bones).mean(axis=0)
+        rest = unit_vectors(mean) * lengths
     return rotations(), rest
 
 
@@ -111,7 +109,7 @@ def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> np.ndarr
     The vectors may have any length; the rotation is exactly the identity where they are the same or
     one is zero. `share` is the part of the angle to rotate by.
     """
-    before, after = _unit(before), _unit(after)
+    before, after = unit_vectors(before), unit_vectors(after)
     axis = np.cross(before, after)
     sine = np.linalg.norm(axis, axis=-1)
     cosine = np.sum(before * after, axis=-1)
@@ -119,7 +117,7 @@ def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> np.ndarr
     other = np.where(np.abs(before[:, [0]]) < 0.9, [1.0, 0, 0], [0, 1.0, 0])
     opposite = np.where(cosine[:, None] < 0, np.cross(before, other), 0.0)
     axis = np.where(sine[:, None] > 1e-9, axis, opposite)
-    return quaternions.from_vector(_unit(axis) * (share * np.arctan2(sine, cosine))[:, None])
+    return from_vector(unit_vectors(axis) * (share * np.arctan2(sine, cosine))[:, None])
 
 
 def fit_fan(before: np.ndarray, after: np.ndarray, tau: float) -> np.ndarray:
@@ -129,17 +127,16 @@ def fit_fan(before: np.ndarray, after: np.ndarray, tau: float) -> np.ndarray:
     strength of the regularisation, τ.
     """
     first = _regularised_fit(before, after, tau)
-    return quaternions.product(
-        _regularised_fit(quaternions.rotate(first[:, None], before), after, tau), first
-    )
+    return product(_regularised_fit(rotate(first[:, None], before), after, tau), first)
 
 
 def _regularised_fit(before: np.ndarray, after: np.ndarray, tau: float) -> np.ndarray:
     diagonal = tau * np.sum(before**2, axis=(1, 2))[:, None, None] + 1e-300
-    return quaternions.nearest(after.transpose(0, 2, 1) @ before + diagonal * np.eye(3))
+    return nearest(after.transpose(0, 2, 1) @ before + diagonal * np.eye(3))
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
+def unit_vectors(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (…, 3) divided by their lengths; zero stays zero."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12)
 
 
@@ -161,8 +158,7 @@ def bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarr
 
     outward = off_line(middle - start)
     near_line = np.linalg.norm(outward, axis=-1, keepdims=True) < 1e-6
-    outward = np.where(near_line, off_line(chain[:, 1] - chain[:, 0]), outward)
-    outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), 1e-12)
+    outward = unit_vectors(np.where(near_line, off_line(chain[:, 1] - chain[:, 0]), outward))
     reached = start + x[:, None] * line + np.sqrt(a**2 - x**2)[:, None] * outward
     unchanged = np.abs(np.stack([start, middle, end], axis=1) - chain).max(axis=(1, 2)) < ROUNDING
     return np.where(unchanged[:, None], middle, reached)

@@ -27,6 +27,7 @@ from numpy_cae.motion import quaternions
 from numpy_cae.motion.angles import unwrapped
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import RATE
+from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
 
 EASE_SECONDS = 2 / 3
 """EASE_SECONDS: T of the module's equation (s) for the curve "eased", chosen among 0.13 to 0.8 s
@@ -177,12 +178,12 @@ def rotations_over_holes(
 ) -> np.ndarray:
     """The same for rotations as quaternions (F, N, 4); see the equation of the module."""
     filled = np.array(rotations[frames])
-    filled[:, np.flatnonzero(missing.all(axis=0))] = quaternions.IDENTITY
+    filled[:, np.flatnonzero(missing.all(axis=0))] = IDENTITY
     for hole in _holes(missing, rate):
         start, vectors = _relative_vectors(rotations, hole)
         curve = curve_at(hole.columns[0], hole.first)
         inside = curve(hole.keys / rate, vectors, hole.times(rate))
-        _put(quaternions.product(start, quaternions.from_vector(inside)), filled, hole, frames)
+        _put(product(start, from_vector(inside)), filled, hole, frames)
     return filled
 
 
@@ -221,9 +222,7 @@ def _relative_vectors(rotations: np.ndarray, hole: _Hole) -> tuple[np.ndarray, n
     before = int(np.searchsorted(hole.keys, hole.first))
     last = max(before - 1, 0)
     start = rotations[hole.keys[last], hole.columns]
-    vectors = quaternions.to_vector(
-        quaternions.product(quaternions.inverse(start), rotations[np.ix_(hole.keys, hole.columns)])
-    )
+    vectors = to_vector(product(inverse(start), rotations[np.ix_(hole.keys, hole.columns)]))
     for side in (vectors[:before][::-1], vectors[last:]):
         if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
             side[...] = unwrapped(side)
@@ -274,19 +273,15 @@ def rejoined(rotations: np.ndarray, first: int, end: int) -> np.ndarray:
     # [1::-1]: the first two frames after the stretch, in reverse order.
     before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
     ends = ((inside[0], before), (inside[-1], after))
-    corrections = [
-        quaternions.product(quaternions.inverse(now), to) for now, to in ends if to is not None
-    ]
+    corrections = [product(inverse(now), to) for now, to in ends if to is not None]
     if not corrections:
         return inside
     share = np.linspace(0, 1, end - first)
-    return quaternions.product(inside, quaternions.slerp(corrections[0], corrections[-1], share))
+    return product(inside, quaternions.slerp(corrections[0], corrections[-1], share))
 
 
 def _continued(last: np.ndarray) -> np.ndarray | None:
     """The rotation that continues the `last` one or two, (1 or 2, 4); None if there are none."""
     if len(last) == 0:
         return None
-    return quaternions.product(
-        quaternions.product(last[-1], quaternions.inverse(last[0])), last[-1]
-    )
+    return product(product(last[-1], inverse(last[0])), last[-1])

@@ -27,10 +27,11 @@ REST_DIRECTIONS: np.ndarray = np.array([row[1] for row in _BODY.values()])
 REST_TIPS = {joint: np.array(row[2]) for joint, row in enumerate(_BODY.values()) if row[2:]}
 """REST_TIPS: index of a joint at which no other begins -> the tip of its bone in metres."""
 
+SIDES = ("left", "right")
 LIMBS: dict[str, tuple[str, ...]] = {
     f"{side}_{limb}": tuple(f"{side}_{joint}" for joint in joints)
     for limb, joints in (("arm", ("elbow", "wrist")), ("leg", ("knee", "ankle", "toe")))
-    for side in ("left", "right")
+    for side in SIDES
 }
 """The joints that move where a shoulder or a hip turns."""
 

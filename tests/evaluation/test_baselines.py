@@ -42,7 +42,7 @@ def windows(monkeypatch):
 
 def test_the_linear_map_solves_the_normal_equations_over_all_masks(windows):
     """Summed over all 2^6 masks of six values, each by its probability."""
-    fitted, size = Gaussian.fit(windows, np.ones((30, 40), bool)), 6
+    fitted, size = Gaussian(windows, np.ones((30, 40), bool)), 6
     z = np.concatenate([contexts(window) for window in windows])
     m, b = np.zeros((size, size)), np.zeros((size, 2))
     for bits in range(2**size):
@@ -59,7 +59,7 @@ def test_the_linear_map_solves_the_normal_equations_over_all_masks(windows):
 def test_the_gaussian_estimates_the_conditional_mean_of_seven_frames_in_fifteen():
     rng = np.random.default_rng(1)
     x = np.cumsum(rng.normal(size=(60, 23, 2)), axis=1)
-    fitted = Gaussian.fit(x, np.ones((60, 23), bool))
+    fitted = Gaussian(x, np.ones((60, 23), bool))
     rows = np.pad(x, ((0, 0), (7, 7), (0, 0)))
     rows = np.stack([rows[n, t : t + 15].ravel() for n in range(60) for t in range(23)])
     mean, covariance = rows.mean(axis=0), np.cov(rows.T, bias=True)

@@ -115,6 +115,5 @@ def _draw_figure_1(folder: Path, manifold: MotionManifold, take: np.ndarray, see
         "projected": (manifold.project(corrupted), viz.PROJECTED),
         "truth": (truth, viz.TRUTH),
     }
-    viz.save_figure(
-        viz.strip_figure(local_actors(motions), RATE, azimuth=55.0), folder / "figure_1.png"
-    )
+    figure = viz.strip_figure(local_actors(motions), RATE, azimuth=55.0)
+    viz.save_figure(figure, folder / "figure_1.png")

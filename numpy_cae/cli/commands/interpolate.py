@@ -12,9 +12,7 @@ from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import note
 from numpy_cae.manifold import interpolate
 from numpy_cae.manifold.interpolate import TRANSITION, shares, with_path
-from numpy_cae.mocap import load_body
-from numpy_cae.mocap.formats.write_bvh import require_bvh
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap import Body, load_body, require_bvh
 from numpy_cae.viz import OTHERS, PROJECTED, TRUTH
 from numpy_cae.viz.actor import world_actors
 

@@ -13,9 +13,7 @@ import numpy as np
 from numpy_cae.cli.shared import arguments, files
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
 from numpy_cae.manifold.sample import encode_windows
-from numpy_cae.mocap import load_body
-from numpy_cae.mocap.formats.write_bvh import require_bvh
-from numpy_cae.mocap.retarget.body import Body, hold_first_pose
+from numpy_cae.mocap import Body, hold_first_pose, load_body, require_bvh
 from numpy_cae.motion import RATE, Motion, features_to_positions
 from numpy_cae.motion.features import RootTransform
 from numpy_cae.motion.fit import fit_motion

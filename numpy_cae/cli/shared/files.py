@@ -13,9 +13,8 @@ from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
 from numpy_cae.manifold.model_file import Manifold
-from numpy_cae.mocap import write_bvh
+from numpy_cae.mocap import require_bvh, write_bvh
 from numpy_cae.mocap.bodies import Problem, read_body, read_each
-from numpy_cae.mocap.formats.write_bvh import require_bvh
 from numpy_cae.mocap.load import KEPT, find_motion_files, is_test
 from numpy_cae.motion import RATE, Motion
 from numpy_cae.viz import Actor, save_viewer

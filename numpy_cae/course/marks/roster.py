@@ -27,8 +27,7 @@ HEADINGS = {key.casefold() for key in KEYS} | {"name", "full name", "login", "e-
 CANVAS = "SIS Login ID"
 """CANVAS: a column that only Canvas has. There a row without an ID is about no student."""
 POSSIBLE = "Points Possible"
-MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"))
-MARKS += ((codecs.BOM_UTF16_BE, "utf-16"),)
+MARKS = {"utf-8-sig": codecs.BOM_UTF8, "utf-16": (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)}
 Row = dict[str, str]
 
 
@@ -96,7 +95,7 @@ def _key(columns: Sequence[str], students: Sequence[Row]) -> str | None:
 
 def decoded(content: bytes) -> tuple[str, str]:
     """The text of a file, and its encoding."""
-    marked = [name for mark, name in MARKS if content.startswith(mark)]
+    marked = [name for name, mark in MARKS.items() if content.startswith(mark)]
     for encoding in (*marked, "utf-8", "cp1252"):
         with suppress(UnicodeDecodeError):
             return content.decode(encoding), encoding

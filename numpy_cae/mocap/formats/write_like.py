@@ -179,10 +179,8 @@ class _Replacer:
             pieces, words = _split(texts[frame])
             order = self.numbers([pieces[word] for word in words]) if self.numbers else None
             places_in[frame] = [words[index] for index in order] if order else list(words)
-            if len(places_in[frame]) != width:
-                problem = (
-                    f"a frame has {len(places_in[frame])} numbers, but had {width} when it was read"
-                )
+            if (count := len(places_in[frame])) != width:
+                problem = f"a frame has {count} numbers, but had {width} when it was read"
                 raise ValueError(problem)
             texts_of_numbers = [pieces[place] for place in places_in[frame]]
             try:

@@ -29,7 +29,7 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion.fit import ROUNDING, bent, fit_fan, swing
 from numpy_cae.motion.hole_curves import without_seams
-from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.joints import JOINTS, SIDES
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate
 
@@ -47,9 +47,7 @@ nearly on one line. About this line an error of a centimetre would rotate the ch
 angle. A larger τ suppresses requested rotations (docs/lab_book/retargeting.md)."""
 
 
-_MIDDLES = [
-    JOINTS.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("elbow", "knee")
-]
+_MIDDLES = [JOINTS.index(f"{side}_{joint}") for side in SIDES for joint in ("elbow", "knee")]
 """Joints in the middle of a limb; the joint after each in `JOINTS` is the end of its limb."""
 
 

@@ -23,6 +23,7 @@ from numpy_cae.mocap.rigs.rigs import Mappings, Rig, RiggedMotion, UnknownRigErr
 from numpy_cae.mocap.rigs.suggest import suggest_mapping
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Note, Skeleton
 from numpy_cae.motion.features import frame_lengths
+from numpy_cae.motion.fit import unit_vectors
 from numpy_cae.motion.quaternions import IDENTITY, inverse, rotate
 
 _POSES = 100
@@ -398,18 +399,14 @@ def _estimated(
     at = {name: positions[:, found[name]] for name in names}
     parent = "chest" if joint == "head" else f"{side}ankle"
     if joint == "head":
-        along = _unit(at["chest"] - at["hips"])
+        along = unit_vectors(at["chest"] - at["hips"])
         distance = _HEAD * np.linalg.norm(at["left_knee"] - at["left_hip"], axis=-1)
     else:
         shin = at[f"{side}ankle"] - at[f"{side}knee"]
         forward = np.cross(at["left_hip"] - at["right_hip"], -shin)
-        along = 0.87 * _unit(forward) + 0.5 * _unit(shin)  # as in `REST_DIRECTIONS`
+        along = 0.87 * unit_vectors(forward) + 0.5 * unit_vectors(shin)  # as in `REST_DIRECTIONS`
         distance = _TOE * np.linalg.norm(shin, axis=-1)
         if np.linalg.norm(end_site) > _SHORT_SHARE / _TOE * np.median(distance):
             return end_site
     offsets = rotate(inverse(rotations[:, found[parent]]), distance[:, None] * along)
     return np.median(offsets, axis=0)
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9)
