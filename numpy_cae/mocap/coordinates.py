@@ -284,5 +284,5 @@ def _without_added(motion: Motion) -> Motion:
     whole = motion.skeleton
     parts = {part: getattr(whole, part)[kept] for part in ("names", "parents", "offsets")}
     arrays = (motion.rotations[:, kept], motion.translations[:, kept])
-    others = (motion.unit, motion.notes, motion.up, motion.floor)
-    return Motion(replace(whole, **parts), motion.rate, *arrays, *others)
+    without = replace(whole, **parts)
+    return Motion(without, motion.rate, *arrays, motion.unit, motion.notes, motion.up, motion.floor)
