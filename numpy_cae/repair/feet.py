@@ -4,8 +4,16 @@ A foot stands while its toe is low and slow. The place where it stands is the me
 that time, at the height at which toes stand in this motion. The displacement from the toe to that
 place fades out before and after (`EASE_SECONDS`). The root takes the mean displacement of both
 feet, filtered (`PATH_HERTZ`), so that the legs change little; each leg takes the rest by its own
-two bones, which keep their lengths (`mocap.retarget.to_rig.bent`). All metres are those of a body
-of usual size (`curves.usual_body`).
+two bones, which keep their lengths (`motion.fit.bent`). All metres are those of a body of usual
+size (`curves.usual_body`).
+
+The knee of a leg that becomes straight within a frame pops. So a leg approaches its full length L
+only exponentially (soft inverse kinematics: A. Nicholas, softimageblog.com/archives/108). With d_0
+the distance from hip to ankle before, and d that with which the foot is at its place, it becomes
+
+    a + (L - a) (1 - exp(-(d - a) / (L - a)))  where d > a = max(d_0, (1 - s) L),  else d
+
+with s = `SOFT_SHARE`. A leg that does not get longer is changed by nothing of this.
 
 Many estimators from video give poses about a root that stands still. Let v_t be the step of the
 hips from frame t to t + 1, and u_t the step with which the toe of the lower foot would stand still.
@@ -117,8 +125,13 @@ RESTING_METRES = 1e-4
 """RESTING_METRES: a root that would be moved by less than this (m) stays where it is."""
 EASE_SECONDS = 0.2
 """EASE_SECONDS: the displacement of a foot fades in and out in this time (s)."""
+SOFT_SHARE = 0.015
+"""SOFT_SHARE: s of the module's equation."""
+JUMPY_SECONDS = 0.3
+"""JUMPY_SECONDS: feet are left as they are if, held, a frame jumps within this time (s)."""
 ROUNDS = 4
-"""ROUNDS: feet are looked for again at most this often, as long as they slide less."""
+"""ROUNDS: feet are held at their places at most this often: those that stand then, as long as they
+slide less, or those near which no frame jumps."""
 STANDING_CENTIMETRES = 1.0
 """STANDING_CENTIMETRES: feet that slide by this speed (cm/s) or less stand."""
 
@@ -166,36 +179,36 @@ def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
 
 
 def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
-    """The motion with the feet of the findings at their places; the motion itself if the feet would
-    slide more (`sliding`), or more frames jump.
+    """The motion with the feet of the findings at their places, if they slide less so (`sliding`)
+    and no more frames jump; else the motion itself.
 
     A finding about the body gives the root a path (`is_path`). A foot that stands still does so for
-    longer than it seemed: it is looked for again, as long as that helps.
+    longer than it seemed: it is looked for again, as long as that helps. Feet near which frames
+    would jump are left as they are.
     """
     travels = any(map(is_path, findings))
-    unchanged = motion
+    best = motion
+    slides = max(sliding(motion), STANDING_CENTIMETRES)
+    jumps = _jumps(motion)
     if travels:
         motion = moved_along(motion, path_of_root(motion))
     feet = [finding for finding in findings if finding.joint in TOES]
     stances = [Stance(TOES.index(f.joint), f.stretch.start, f.stretch.stop) for f in feet]
-    slides = max(sliding(motion), STANDING_CENTIMETRES)
-    jumps = _jumps(motion)
+    jumpy = np.zeros(len(motion), bool)
     for _ in range(ROUNDS):
-        better = _standing(motion, stances)
-        new = _jumps(better) & ~jumps
-        if new.any():
-            near = with_margin(new[:, None], round(EASE_SECONDS * motion.rate) + 1)[:, 0]
-            better = _standing(motion, [x for x in stances if not near[x.first : x.end].any()])
-        slides_after = sliding(better)
+        better = _standing(motion, [x for x in stances if not jumpy[x.first : x.end].any()])
         jumps_after = _jumps(better)
-        if slides_after >= slides or jumps_after.sum() > jumps.sum():
+        slides_after = sliding(better)
+        if jumps_after.sum() > jumps.sum():
+            new = (jumps_after & ~jumps)[:, None]
+            jumpy |= with_margin(new, round(JUMPY_SECONDS * motion.rate) + 1)[:, 0]
+        elif slides_after < slides:
+            best = motion = better
+            slides = slides_after
+            stances = _stances(*_toes(motion), motion.rate, travels)
+        else:
             break
-        motion = better
-        slides = slides_after
-        jumps = jumps_after
-        stances = _stances(*_toes(motion), motion.rate, travels)
-    worse = slides > sliding(unchanged) or jumps.sum() > _jumps(unchanged).sum()
-    return unchanged if travels and worse else motion
+    return best
 
 
 def _rests(motion: Motion, before: float) -> bool:
@@ -235,10 +248,24 @@ def _standing(motion: Motion, stances: list[Stance]) -> Motion:
     for foot, (hip, knee, ankle, toe) in enumerate(LEGS):
         targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
         chain = body[:, [hip, knee, ankle]]
+        leg = targets[:, ankle] - targets[:, hip]
+        targets[:, [ankle, toe]] += _softened(chain, leg)[:, None]
         targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
     changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > RESTING_METRES)
     targets *= body_size(motion)
     return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1))
+
+
+def _softened(chain: np.ndarray, leg: np.ndarray) -> np.ndarray:
+    """What is added to the vectors from hip to ankle (frames, 3) by the module's equation;
+    `chain` (frames, 3 joints, 3) is the leg before."""
+    before, after = (np.linalg.norm(x, axis=1) for x in (chain[:, 2] - chain[:, 0], leg))
+    straight = np.linalg.norm(np.diff(chain, axis=1), axis=2).sum(axis=1)
+    start = np.maximum(before, (1 - SOFT_SHARE) * straight)
+    room = np.maximum(straight - start, 1e-9)
+    beyond = np.maximum(after - start, 0.0)
+    length = after - beyond + room * (1 - np.exp(-beyond / room))
+    return (length / np.maximum(after, 1e-9) - 1)[:, None] * leg
 
 
 def _shifts(motion: Motion, stances: list[Stance]) -> tuple[np.ndarray, np.ndarray]:

@@ -228,9 +228,9 @@ def test_the_path_of_a_root_that_stands_still_follows_from_the_feet(walk):
     off = np.linalg.norm(after[:, 0] - after[0, 0] - true[:, 0] + true[0, 0], axis=-1)
     assert is_path(repaired.findings[0])
     assert off.max() < 0.05 < 4.0 < np.linalg.norm(true[-1, 0] - true[0, 0])
-    contacts = find_contacts(true, 60.0)
-    slides = np.linalg.norm(np.diff(after[:, FEET], axis=0), axis=-1)[contacts[1:]]
-    assert slides.mean() * 60.0 < 0.02
+    slides = np.linalg.norm(np.diff(after[:, FEET], axis=0), axis=-1)
+    assert slides[find_contacts(true, 60.0)[1:]].mean() * 60.0 < 0.02
+    assert np.abs(np.diff(after, 4, axis=0)).max() < 0.06  # no knee pops
     seated = turned(still, {"lfemur": -80.0, "rfemur": -80.0}, "x")
     upper = [joint for joint in walk.skeleton.names[1:] if joint not in LEGS_OF_RIG]
     cyclist = held(still, ["root", *upper], slice(0, None))
