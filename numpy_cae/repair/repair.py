@@ -44,6 +44,9 @@ SLIDING_SHARE = 0.1
 than `SLIDING_CENTIMETRES`."""
 SLIDING_CENTIMETRES = 2.0
 """SLIDING_CENTIMETRES: and by more than this (cm/s)."""
+STANDING_SHARE = 0.1
+"""STANDING_SHARE: feet stand at all if they do so for at least this share of the time; the floor is
+at the 5% quantile of the height of the lower toe."""
 ROUNDS = 4
 """ROUNDS: a step is taken at most this often, each time without the findings near which the motion
 became worse."""
@@ -53,7 +56,7 @@ class Step(NamedTuple):
     """How damage of some kinds is found and mended.
 
     `option` is the setting of a preset with which the step is taken, "" if it is always taken. What
-    leaves more than the share `jumps_left` of the jumps near the damage is undone. A step that
+    leaves more than the share `jumps_left` of the jumps near a finding is undone. A step that
     `asks` is taken if there is a manifold, which its functions get too. After the step about the
     share `done` of the time has passed, measured on ten minutes of motion from video.
     """
@@ -63,7 +66,7 @@ class Step(NamedTuple):
     mend: Callable[..., Motion]
     done: float
     option: str = ""
-    jumps_left: float = 1.1
+    jumps_left: float = 1.0
     asks: bool = False
 
 
@@ -73,7 +76,7 @@ STEPS = (
     Step(("spike",), find_spikes, interpolate_channels, 0.4),
     Step(("limb turned",), find_limb_turns, mend_limb_turns, 0.7, asks=True),
     Step(("jitter",), jumps.find_jitter, jumps.smooth_motion, 0.75, "smooth"),
-    Step(("jumps",), jumps.find_jumps, jumps.mend_jumps, 0.8, jumps_left=0.6),
+    Step(("jumps",), jumps.find_jumps, jumps.mend_jumps, 0.8, jumps_left=0.7),
     Step(("foot",), find_feet, mend_feet, 0.95, "feet"),
 )
 """STEPS: what is mended, in this order, before holes are filled in."""
@@ -206,8 +209,7 @@ def _mended(
     motion: Motion, damage: list[Finding], step: Step, model: tuple, wanted: bool
 ) -> tuple[Motion, list[Finding]]:
     """The motion after a step, and its findings. If the user has not `wanted` the step, findings
-    near which more joints jump, or feet slide more, are left; all are left where too many jumps
-    remain."""
+    near which it makes the motion worse are left."""
     sure = [finding for finding in damage if finding.status == "repaired"]
     done = sure
     for _ in range(ROUNDS):
@@ -215,10 +217,10 @@ def _mended(
         mended = step.mend(motion, done, *model) if done else motion
         # Feet are checked where they are mended.
         worse = [] if wanted or step.find is find_feet else _worse(mended, motion, done, step)
-        done = [finding for finding in done if finding not in worse]
         if not worse:
             break
-    if worse:
+        done = [finding for finding in done if finding not in worse]
+    else:
         mended = motion
     if mended is motion and (step.option or worse):
         done = []
@@ -227,8 +229,8 @@ def _mended(
 
 
 def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> list[Finding]:
-    """The findings near which a step has made the motion worse; all if more than the share
-    `step.jumps_left` of the jumps near any of them is left.
+    """The findings near which a step has made the motion worse: more than the share
+    `step.jumps_left` of the jumps is left, those that are sharp counted twice, or feet slide more.
 
     Feet that slide more count if joints that jump were filtered, or the whole motion was and at
     least half of its sharp jumps are left: feet that jump hardly stand.
@@ -238,21 +240,20 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
     for finding in damage:
         near[finding.stretch] = True
     frames = np.flatnonzero(with_margin(near, margin)[:-1])
+    sharp = [jumps.sharp_steps(motion, frames).sum(axis=1) for motion in (before, after)]
     left = [jumps.jumping_steps(motion, frames).sum(axis=1) for motion in (before, after)]
-    if left[1].sum() > step.jumps_left * left[0].sum():
-        return damage
     slides = np.zeros((2, len(before)))
-    sharp = [jumps.sharp_steps(motion).sum() for motion in (before, after) if step.option]
     # A body that was still, or jumped, did not slide.
-    if step.find is jumps.find_jumps or (sharp and 2 * sharp[1] >= sharp[0]):
+    if step.find is jumps.find_jumps or (step.option and 2 * sharp[1].sum() >= sharp[0].sum()):
         slides[:, :-1] = slides_of(before, after)
+    stands = np.count_nonzero(slides[0]) >= STANDING_SHARE * len(before)
     worse = []
     for finding in damage:
         there = slice(max(finding.stretch.start - margin, 0), finding.stretch.stop + margin)
-        more = left[1][there].sum() > left[0][there].sum()
+        jumped, jumps_after = ((a + b)[there].sum() for a, b in zip(sharp, left, strict=True))
         slide = slides[:, there].sum(axis=1) / max(np.count_nonzero(slides[0, there]), 1)
         slid = slide[1] - slide[0] > max(SLIDING_SHARE * slide[0], SLIDING_CENTIMETRES)
-        if more or slid:
+        if jumps_after > step.jumps_left * jumped or (stands and slid):
             worse.append(finding)
     return worse
 
