@@ -189,7 +189,7 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     travels = any(map(is_path, findings))
     best = motion
     slides = max(sliding(motion), STANDING_CENTIMETRES)
-    jumps = _jumps(motion)
+    jumps = jumping_steps(motion).any(axis=1)
     if travels:
         motion = moved_along(motion, path_of_root(motion))
     feet = [finding for finding in findings if finding.joint in TOES]
@@ -197,7 +197,7 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     jumpy = np.zeros(len(motion), bool)
     for _ in range(ROUNDS):
         better = _standing(motion, [x for x in stances if not jumpy[x.first : x.end].any()])
-        jumps_after = _jumps(better)
+        jumps_after = jumping_steps(better).any(axis=1)
         slides_after = sliding(better)
         if jumps_after.sum() > jumps.sum():
             new = (jumps_after & ~jumps)[:, None]
@@ -216,11 +216,6 @@ def _rests(motion: Motion, before: float) -> bool:
     most frames: else they do not rest on a floor, and the path is the sum of noise."""
     stands = sum(x.end - x.first for x in _stances(*_toes(motion), motion.rate, travels=True))
     return sliding(motion) < before and stands > RESTING_SHARE * len(motion)
-
-
-def _jumps(motion: Motion) -> np.ndarray:
-    """The frames (frames,) in which a joint jumps."""
-    return np.asarray(jumping_steps(motion).any(axis=1))
 
 
 def _stances(toes: np.ndarray, level: float, rate: float, travels: bool) -> list[Stance]:
@@ -248,8 +243,7 @@ def _standing(motion: Motion, stances: list[Stance]) -> Motion:
     for foot, (hip, knee, ankle, toe) in enumerate(LEGS):
         targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
         chain = body[:, [hip, knee, ankle]]
-        leg = targets[:, ankle] - targets[:, hip]
-        targets[:, [ankle, toe]] += _softened(chain, leg)[:, None]
+        targets[:, [ankle, toe]] += _softened(chain, targets[:, ankle] - targets[:, hip])[:, None]
         targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
     changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > RESTING_METRES)
     targets *= body_size(motion)

@@ -85,8 +85,12 @@ class Repaired:
             change = f"moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
             lines.append(f"{names}: {frames}: {change}")
         if any(finding.kind != "marked" for finding in self.findings):
-            lines += _listed("finding", "", by_size(self.findings), 1)
-        lines += _listed("proposal", ", not changed", by_size(self.proposed))
+            numbered = enumerate(by_size(self.findings), start=1)
+            lines.append(f"{count(len(self.findings), 'finding')}:")
+            lines += few([f"  {number}. {each}" for number, each in numbered])
+        if self.proposed:
+            lines.append(f"{count(len(self.proposed), 'proposal')}, not changed:")
+            lines += few([f"  {each}" for each in by_size(self.proposed)])
         if not self.known:
             lines.append(
                 f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
@@ -116,16 +120,10 @@ def count(number: int, noun: str) -> str:
     return f"{number} {noun}{'s' * (number != 1)}"
 
 
-def _listed(noun: str, state: str, findings: list[Finding], first: int = 0) -> list[str]:
-    """How many findings there are, and a line for each of the first; numbered from `first`, if it
-    is not 0."""
-    if not findings:
-        return []
-    lines = [f"{count(len(findings), noun)}{state}:"]
-    for number, finding in enumerate(findings[:MOST_PRINTED], start=first):
-        lines.append(f"  {number}. {finding}" if first else f"  {finding}")
-    more = len(findings) - MOST_PRINTED
-    return lines + [f"  and {more} more"] * (more > 0)
+def few(lines: list[str]) -> list[str]:
+    """The first lines, and how many more there are."""
+    more = len(lines) - MOST_PRINTED
+    return lines[:MOST_PRINTED] + [f"  and {more} more"] * (more > 0)
 
 
 def _frames_of(mask: np.ndarray) -> str:
@@ -184,7 +182,8 @@ def repaired_of(
     touched = (moved > MOVED_METRES) | missing_joints(before, broken)
     done = [finding for finding in found if finding.status == "repaired"]
     left = [finding for finding in found if finding.status != "repaired"]
-    measured = [_with_centimetres(finding, moved, posed) for finding in done]
+    # Jitter is in all frames: what all other findings move would be its centimetres.
+    measured = [x if x.kind == "jitter" else _with_centimetres(x, moved, posed) for x in done]
     return Repaired(after, touched, moved, findings=tuple(measured), proposed=tuple(left))
 
 

@@ -22,7 +22,6 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
-from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import Motion
 from numpy_cae.repair import PRESETS, Finding, Preset, Repaired, project_motion, repair
 from numpy_cae.repair.repaired import count, distances
@@ -58,7 +57,9 @@ def run(args: argparse.Namespace) -> int:
 
     def mend(motion: Motion, progress: change_files.Progress) -> Repaired:
         if args.project:
-            return _projected(motion, manifold)
+            projected = project_motion(motion, manifold)
+            moved = distances(motion, projected)
+            return Repaired(projected, np.ones(moved.shape, bool), moved)
         findings = damage_options.chosen_findings(args, motion)
         repaired = repair(motion, manifold, preset=preset, findings=findings, progress=progress)
         if args.only:
@@ -82,10 +83,3 @@ def _only(numbers: list[int], repaired: Repaired) -> list[Finding]:
     if max(numbers) > len(listed):
         raise ValueError(f"--only {max(numbers)}: there are {count(len(listed), 'finding')}")
     return [listed[number - 1] for number in numbers]
-
-
-def _projected(motion: Motion, manifold: MotionManifold) -> Repaired:
-    """The motion on the manifold: every joint is changed in every frame."""
-    projected = project_motion(motion, manifold)
-    moved = distances(motion, projected)
-    return Repaired(projected, np.ones(moved.shape, bool), moved)

@@ -254,19 +254,13 @@ def _details(repaired: Repaired) -> list[str]:
     findings = len(repaired.findings)
     if not listed:
         return repr(repaired).splitlines() if repaired.touched.any() else []
-    numbered = [f"{number}. {each}" for number, each in enumerate(listed[:findings], start=1)]
-    lines = _first(numbered)
+    numbered = enumerate(listed[:findings], start=1)
+    lines = report.few([f"{number}. {each}" for number, each in numbered])
     for status, name in report.NOT_DONE.items():
         # Without the status, whose reason is printed once, above.
         some = [f"  {replace(each, status='repaired')}" for each in listed if each.status == status]
-        lines += [f"{name}:", *_first(some)] if some else []
+        lines += [f"{name}:", *report.few(some)] if some else []
     return lines + [ANYWAY] * (len(listed) > findings)
-
-
-def _first(lines: list[str]) -> list[str]:
-    """The first lines, and how many more there are."""
-    more = len(lines) - report.MOST_PRINTED
-    return lines[: report.MOST_PRINTED] + [f"  and {more} more"] * (more > 0)
 
 
 def _write_findings(args: argparse.Namespace, source: Path, repaired: Repaired) -> dict[Path, str]:

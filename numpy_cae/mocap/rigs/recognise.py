@@ -28,7 +28,7 @@ from numpy_cae.motion.quaternions import IDENTITY, inverse, rotate
 
 _POSES = 100
 """_POSES: about this many poses of a motion are looked at."""
-_LISTED = 80
+_LISTED = 12
 """_LISTED: a message lists at most this many names of joints, as some rigs have hundreds."""
 _FEW = 4
 """_FEW: a note lists the joints that the hierarchy gave if they are fewer than this."""
