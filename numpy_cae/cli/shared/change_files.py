@@ -251,16 +251,15 @@ def _status(args: argparse.Namespace, motion: Motion, repaired: Repaired) -> int
 def _details(repaired: Repaired) -> list[str]:
     """The largest findings with their numbers, and what is not changed; without any, the joints."""
     listed = repaired.listed()
-    findings = len(repaired.findings)
     if not listed:
         return repr(repaired).splitlines() if repaired.touched.any() else []
-    numbered = enumerate(listed[:findings], start=1)
+    numbered = enumerate(listed[: len(repaired.findings)], start=1)
     lines = report.few([f"{number}. {each}" for number, each in numbered])
     for status, name in report.NOT_DONE.items():
         # Without the status, whose reason is printed once, above.
         some = [f"  {replace(each, status='repaired')}" for each in listed if each.status == status]
         lines += [f"{name}:", *report.few(some)] if some else []
-    return lines + [ANYWAY] * (len(listed) > findings)
+    return lines + [ANYWAY] * bool(repaired.proposed)
 
 
 def _write_findings(args: argparse.Namespace, source: Path, repaired: Repaired) -> dict[Path, str]:
