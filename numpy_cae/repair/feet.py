@@ -189,7 +189,7 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     travels = any(map(is_path, findings))
     best = motion
     slides = max(sliding(motion), STANDING_CENTIMETRES)
-    jumps = jumping_steps(motion).any(axis=1)
+    jumps = np.asarray(jumping_steps(motion).any(axis=1))
     if travels:
         motion = moved_along(motion, path_of_root(motion))
     feet = [finding for finding in findings if finding.joint in TOES]
@@ -197,7 +197,7 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     jumpy = np.zeros(len(motion), bool)
     for _ in range(ROUNDS):
         better = _standing(motion, [x for x in stances if not jumpy[x.first : x.end].any()])
-        jumps_after = jumping_steps(better).any(axis=1)
+        jumps_after = np.asarray(jumping_steps(better).any(axis=1))
         slides_after = sliding(better)
         if jumps_after.sum() > jumps.sum():
             new = (jumps_after & ~jumps)[:, None]
