@@ -256,9 +256,9 @@ def _softened(chain: np.ndarray, leg: np.ndarray) -> np.ndarray:
     before, after = (np.linalg.norm(x, axis=1) for x in (chain[:, 2] - chain[:, 0], leg))
     straight = np.linalg.norm(np.diff(chain, axis=1), axis=2).sum(axis=1)
     start = np.maximum(before, (1 - SOFT_SHARE) * straight)
-    room = np.maximum(straight - start, 1e-9)
+    rest = np.maximum(straight - start, 1e-9)
     beyond = np.maximum(after - start, 0.0)
-    length = after - beyond + room * (1 - np.exp(-beyond / room))
+    length = after - beyond + rest * (1 - np.exp(-beyond / rest))
     return (length / np.maximum(after, 1e-9) - 1)[:, None] * leg
 
 
