@@ -125,7 +125,9 @@ def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str
     """The segments of a curve that are displaced, each with one of `PREFERRED`; none overlaps
     another, but for those up to the end of the curve."""
     jumps = _jumps_of(curve, sensitivity)
-    frames = [frame for frame, _ in jumps]
+    frames = np.array([frame for frame, _ in jumps], int)
+    lengths = np.linalg.norm(curve.between(frames - 1, frames), axis=1)
+    sizes = dict(zip(frames.tolist(), lengths.tolist(), strict=True))
     end = 0
     for number, (first, score) in enumerate(jumps):
         if first <= end:
@@ -134,7 +136,7 @@ def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str
         segments = [Segment(first, stop, min(score, other)) for stop, other in later]
         if not later or curve.spike_kind == "root elsewhere":
             segments.append(Segment(first, len(curve.values), score))
-        ways = [(kind, segment) for segment in segments for kind in _kinds(curve, segment, frames)]
+        ways = [(kind, segment) for segment in segments for kind in _kinds(curve, segment, sizes)]
         if ways:
             kind, segment = min(ways, key=lambda way: PREFERRED.index(way[0]))
             end = first if segment.end == len(curve.values) else segment.end
@@ -160,35 +162,37 @@ def _jumps_of(curve: Curve, sensitivity: float = 0.5) -> list[tuple[int, float]]
     return list(zip((large[likely] + 1).tolist(), score[likely].tolist(), strict=True))
 
 
-def _kinds(curve: Curve, segment: Segment, jumps: list[int]) -> Iterator[str]:
+def _kinds(curve: Curve, segment: Segment, sizes: dict[int, float]) -> Iterator[str]:
     """What a segment may be: a "spike", a displacement to be "undone" up to the jump back or "to
-    the end", or values of another motion to be "interpolated"."""
+    the end", or values of another motion to be "interpolated". `sizes` are those of all jumps, by
+    their frames, in metres."""
     if segment.end == len(curve.values):
         # A hand or a thumb may be turned by half a turn: a rig's limits are those of its limbs.
         degrees = max(HALF_TURN_DEGREES, FASTEST_DEGREES_A_SECOND / curve.rate)
-        large = _size(curve, segment.first) > _least(curve, degrees)
+        large = sizes[segment.first] > _least(curve, degrees)
         if large and curve.name in JOINTS:
             yield "to the end"
         return
-    returns = _returns(curve, segment)
+    size = min(sizes[segment.first], sizes[segment.end])
+    returns = size > _least(curve) and _returns(curve, segment)
     if returns and len(segment) <= longest_spike(curve.rate):
         yield "spike"
-    if not _is_between(curve, segment, jumps):
+    closes = size > _least(curve) and _closes(curve, segment, size)
+    if not (returns or closes) or not _is_between(curve, segment, size, sizes):
         return
-    if _closes(curve, segment):
+    if closes:
         yield "undone"
     if returns:
         yield "interpolated"
 
 
-def _is_between(curve: Curve, segment: Segment, jumps: list[int]) -> bool:
+def _is_between(curve: Curve, segment: Segment, size: float, sizes: dict[int, float]) -> bool:
     """Whether there is motion before and after a segment, without other jumps of half its size for
     as long as it lasts: else the frames outside may be the wrong ones."""
     few = longest_spike(curve.rate)
     first, end = segment.first, segment.end
     around = {*range(first - len(segment), first), *range(end + 1, end + len(segment) + 1)}
-    size = min(_size(curve, first), _size(curve, end))
-    others = [jump for jump in around.intersection(jumps) if _size(curve, jump) > size / 2]
+    others = [jump for jump in sizes.keys() & around if sizes[jump] > size / 2]
     return few < first and end < len(curve.values) - few and not others
 
 
@@ -210,7 +214,8 @@ def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
     to_the_end = end == len(curve.values)
     of_rotation = "displaced" if kind == "interpolated" else "turned"
     kind = of_rotation if curve.is_rotation else curve.spike_kind
-    amount = curve.amount(_size(curve, first))
+    step = curve.between(np.array([first - 1]), np.array([first]))
+    amount = curve.amount(float(np.linalg.norm(step)))
     few = longest_spike(curve.rate) if curve.is_rotation else end / 2
     if to_the_end and first <= few:
         first, end = 0, first
@@ -223,36 +228,29 @@ def _finding(curve: Curve, segment: Segment, kind: str) -> Finding:
     return Finding(curve.name, frames, kind, why, 0.0, confidence(segment.score), status)
 
 
-def _size(curve: Curve, frame: int) -> float:
-    """The length of the step to a frame, metres."""
-    return float(np.linalg.norm(curve.between(np.array([frame - 1]), np.array([frame]))))
-
-
 def _least(curve: Curve, degrees: float = LEAST_TURN_DEGREES) -> float:
     """The least size of a jump that counts, metres."""
     return np.radians(degrees) * curve.lever if curve.is_rotation else least_jump(curve.rate)
 
 
-def _closes(curve: Curve, segment: Segment) -> bool:
+def _closes(curve: Curve, segment: Segment, size: float) -> bool:
     """Whether the step out of a segment undoes the step into it, and these are large."""
-    size = min(_size(curve, segment.first), _size(curve, segment.end))
-    if size <= _least(curve) or min(_remaining(curve, segment)) >= CLOSING_SHARE * size:
-        return False
-    within = curve.steps(slice(segment.first, segment.end)).max(initial=0.0)
-    return bool(within < CALM_SHARE * size)
+    frames = slice(segment.first, segment.end)
+    undoes = min(_remaining(curve, segment)) < CLOSING_SHARE * size
+    return undoes and bool(curve.steps(frames).max(initial=0.0) < CALM_SHARE * size)
 
 
 def _returns(curve: Curve, segment: Segment) -> bool:
     """Whether values are others for a short time only: after it, they are nearly what they were
     before, or the two steps are opposite."""
+    if len(segment) > LONGEST_SECONDS * curve.rate:
+        return False
     before, after = np.array([segment.first - 1]), np.array([segment.end])
     step_in = curve.between(before, before + 1)[0]
     step_out = curve.between(after - 1, after)[0]
     away, back = float(np.linalg.norm(step_in)), float(np.linalg.norm(step_out))
     left = float(np.linalg.norm(curve.between(before, after)))
     smaller = min(away, back)
-    if len(segment) > LONGEST_SECONDS * curve.rate or smaller <= _least(curve):
-        return False
     opposite = step_in @ step_out < OPPOSITE_COSINE * away * back and max(away, back) < 2 * smaller
     return bool((opposite and not curve.is_root) or left < CLOSING_SHARE * smaller)
 
