@@ -82,9 +82,8 @@ def _read_arrays(path: Path) -> dict[str, np.ndarray]:
         unpacked = sum(info.file_size for info in archive.infolist())
     limit = FREE_BYTES + MAX_EXPANSION * path.stat().st_size
     if unpacked > limit:
-        raise ValueError(
-            f"it unpacks to {unpacked / 1e6:.0f} MB, expected at most {limit / 1e6:.0f} MB"
-        )
+        problem = f"it unpacks to {unpacked / 1e6:.0f} MB"
+        raise ValueError(f"{problem}, expected at most {limit / 1e6:.0f} MB")
     with np.load(path, allow_pickle=False) as file:
         return dict(file)
 

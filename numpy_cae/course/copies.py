@@ -24,9 +24,8 @@ def find_lessons(folder: str | Path) -> list[Path]:
     """
     lessons = sorted(Path(folder).glob("[0-9][0-9]*_*.ipynb"))
     if not lessons:
-        raise FileNotFoundError(
-            f"no lessons in {folder}: they are in the folder lessons of a clone of the repository"
-        )
+        where = "they are in the folder lessons of a clone of the repository"
+        raise FileNotFoundError(f"no lessons in {folder}: {where}")
     return lessons
 
 

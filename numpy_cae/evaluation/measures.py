@@ -99,9 +99,8 @@ def jitter(positions: np.ndarray, rate: float) -> float:
     frame increases it far more than the position error, and too much smoothing decreases it.
     ValueError for fewer than 3 frames.
     """
-    if np.ndim(positions) != 3 or np.shape(positions)[2] != 3 or len(positions) < 3:
-        raise ValueError(
-            f"positions have shape {np.shape(positions)}, expected (3 frames or more, joints, 3)"
-        )
+    shape = np.shape(positions)
+    if len(shape) != 3 or shape[2] != 3 or shape[0] < 3:
+        raise ValueError(f"positions have shape {shape}, expected (3 frames or more, joints, 3)")
     acceleration = np.diff(np.asarray(positions, dtype=np.float64), 2, axis=0) * rate**2
     return float(np.linalg.norm(acceleration, axis=-1).mean())

@@ -64,20 +64,18 @@ class Skeleton:
 
     def __post_init__(self) -> None:
         joints = len(self.names)
-        if len(self.parents) != joints or np.shape(self.offsets) != (joints, 3):
-            raise ValueError(
-                f"{joints} names, {len(self.parents)} parents and offsets of shape "
-                f"{np.shape(self.offsets)} do not make a skeleton"
-            )
+        shape = np.shape(self.offsets)
+        if len(self.parents) != joints or shape != (joints, 3):
+            parts = f"{joints} names, {len(self.parents)} parents and offsets of shape {shape}"
+            raise ValueError(f"{parts} do not make a skeleton")
         if len(set(self.names)) != joints:
             twice = sorted({name for name in self.names if self.names.count(name) > 1})
             raise ValueError(f"joint names appear more than once: {', '.join(twice)}")
         for joint, parent in enumerate(self.parents):
             if not (parent == -1 if joint == 0 else 0 <= parent < joint):
-                raise ValueError(
-                    f"joint {self.names[joint]!r} has parent {parent}: "
-                    "the root must be first and every parent before its children"
-                )
+                problem = f"joint {self.names[joint]!r} has parent {parent}"
+                expected = "the root must be first and every parent before its children"
+                raise ValueError(f"{problem}: {expected}")
 
     def index(self, name: str) -> int:
         """The index of a joint; KeyError, listing the names of the skeleton, if it is unknown."""
@@ -298,10 +296,8 @@ def require_finite(motion: Motion) -> None:
         wrong = np.argwhere(~np.isfinite(getattr(motion, values)))
         if len(wrong):
             frame, joint, _ = wrong[0]
-            raise ValueError(
-                f"{values} have a value that is not finite: frame {frame}, "
-                f"joint {motion.skeleton.names[joint]!r}"
-            )
+            where = f"frame {frame}, joint {motion.skeleton.names[joint]!r}"
+            raise ValueError(f"{values} have a value that is not finite: {where}")
 
 
 def blocks(frames: np.ndarray, size: int = 2048) -> list[np.ndarray]:

@@ -9,8 +9,7 @@ example: numpy-cae download cmu --subjects 2,7,35 -o cmu
 import argparse
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.download import download_cmu
-from numpy_cae.download.cmu import SITE, TERMS
+from numpy_cae.download.cmu import SITE, TERMS, download_cmu
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

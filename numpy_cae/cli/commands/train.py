@@ -25,10 +25,8 @@ from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import bodies, in_halves, usable
 from numpy_cae.evaluation.half_removed import NOTE, half_removed
 from numpy_cae.evaluation.reconstruction import reconstruction
-from numpy_cae.manifold import learn_manifold, learn_sequences
-from numpy_cae.manifold.learning import HIDDEN, LATENT
-from numpy_cae.mocap import find_motion_files
-from numpy_cae.mocap.load import is_test, load_angles
+from numpy_cae.manifold.learning import HIDDEN, LATENT, learn_manifold, learn_sequences
+from numpy_cae.mocap.load import find_motion_files, is_test, load_angles
 from numpy_cae.motion import ANGLE_RATE, CLIP, LENGTH, RATE
 
 _STARTER = {"epochs": 50, "rate": 3e-4, "zeroed": (0.0, 0.3), "displacement": 0.3, "noise": 0.02}

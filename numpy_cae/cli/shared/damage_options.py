@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from numpy_cae.cli.shared import arguments
-from numpy_cae.mocap import MotionFileError
-from numpy_cae.mocap.formats.text_file import TextFile
+from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile
 from numpy_cae.mocap.retarget.to_rig import moves_alone
 from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import LIMBS
-from numpy_cae.repair import Finding
-from numpy_cae.repair.finding import BODY, usable
+from numpy_cae.repair.finding import BODY, Finding, usable
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 

@@ -108,9 +108,8 @@ def at_rate_of(
 
     times = motion.source_frames(RATE)
     if len(positions) != len(times):
-        raise ValueError(
-            f"{len(positions)} poses at {RATE:g} a second for a motion that has {len(times)}"
-        )
+        problem = f"{len(positions)} poses at {RATE:g} a second"
+        raise ValueError(f"{problem} for a motion that has {len(times)}")
     frames = np.arange(len(motion)) if frames is None else frames
     if len(times) == 1:
         return np.repeat(positions, len(frames), axis=0)
