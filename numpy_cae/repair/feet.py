@@ -38,7 +38,7 @@ from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import body_size, sliding, usual_body
 from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
-from numpy_cae.repair.jumps import jumping_steps
+from numpy_cae.repair.jumps import jumping_steps, sharp_steps
 
 TOES = [JOINTS[foot] for foot in FEET]
 LEGS = [list(range(toe - 3, toe + 1)) for toe in FEET]
@@ -187,28 +187,33 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
     would jump are left as they are.
     """
     travels = any(map(is_path, findings))
-    best = motion
-    slides = max(sliding(motion), STANDING_CENTIMETRES)
-    jumps = np.asarray(jumping_steps(motion).any(axis=1))
-    if travels:
-        motion = moved_along(motion, path_of_root(motion))
+    best = moved_along(motion, path_of_root(motion)) if travels else motion
     feet = [finding for finding in findings if finding.joint in TOES]
     stances = [Stance(TOES.index(f.joint), f.stretch.start, f.stretch.stop) for f in feet]
+    slides = max(sliding(best), STANDING_CENTIMETRES)
+    jumps = _jumps(best)
     jumpy = np.zeros(len(motion), bool)
     for _ in range(ROUNDS):
-        better = _standing(motion, [x for x in stances if not jumpy[x.first : x.end].any()])
-        jumps_after = np.asarray(jumping_steps(better).any(axis=1))
+        better = _standing(best, [x for x in stances if not jumpy[x.first : x.end].any()])
+        jumps_after = _jumps(better)
         slides_after = sliding(better)
         if jumps_after.sum() > jumps.sum():
             new = (jumps_after & ~jumps)[:, None]
             jumpy |= with_margin(new, round(JUMPY_SECONDS * motion.rate) + 1)[:, 0]
         elif slides_after < slides:
-            best = motion = better
+            best = better
             slides = slides_after
-            stances = _stances(*_toes(motion), motion.rate, travels)
+            jumps = jumps_after
+            stances = _stances(*_toes(best), motion.rate, travels)
         else:
             break
-    return best
+    sharp = [sharp_steps(each).any(axis=1).sum() for each in (motion, best)]
+    return motion if travels and (slides > sliding(motion) or sharp[1] > sharp[0]) else best
+
+
+def _jumps(motion: Motion) -> np.ndarray:
+    """The frames (frames,) in which a joint jumps."""
+    return np.asarray(jumping_steps(motion).any(axis=1))
 
 
 def _rests(motion: Motion, before: float) -> bool:
