@@ -44,9 +44,9 @@ SLIDING_SHARE = 0.1
 than `SLIDING_CENTIMETRES`."""
 SLIDING_CENTIMETRES = 2.0
 """SLIDING_CENTIMETRES: and by more than this (cm/s)."""
-STANDING_SHARE = 0.1
-"""STANDING_SHARE: feet stand at all if they do so for at least this share of the time; the floor is
-at the 5% quantile of the height of the lower toe."""
+JUMPY_SHARE = 0.05
+"""JUMPY_SHARE: a motion jumps all the time if joints jump sharply in more than this share of its
+frames. Then its feet hardly stand, and much is won if some of the jumps near a finding are gone."""
 ROUNDS = 4
 """ROUNDS: a step is taken at most this often, each time without the findings near which the motion
 became worse."""
@@ -76,7 +76,7 @@ STEPS = (
     Step(("spike",), find_spikes, interpolate_channels, 0.4),
     Step(("limb turned",), find_limb_turns, mend_limb_turns, 0.7, asks=True),
     Step(("jitter",), jumps.find_jitter, jumps.smooth_motion, 0.75, "smooth"),
-    Step(("jumps",), jumps.find_jumps, jumps.mend_jumps, 0.8, jumps_left=0.7),
+    Step(("jumps",), jumps.find_jumps, jumps.mend_jumps, 0.8, jumps_left=0.65),
     Step(("foot",), find_feet, mend_feet, 0.95, "feet"),
 )
 """STEPS: what is mended, in this order, before holes are filled in."""
@@ -231,9 +231,11 @@ def _mended(
 def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> list[Finding]:
     """The findings near which a step has made the motion worse: more than the share
     `step.jumps_left` of the jumps is left, those that are sharp counted twice, or feet slide more.
+    All findings if so many of the jumps near any of them are left.
 
-    Feet that slide more count if joints that jump were filtered, or the whole motion was and at
-    least half of its sharp jumps are left: feet that jump hardly stand.
+    Where joints jump all the time (`JUMPY_SHARE`), each finding is judged by its jumps alone. Feet
+    that slide more count if joints that jump were filtered, or the whole motion was and at least
+    half of its sharp jumps are left: feet that jump hardly stand.
     """
     margin = round(NEAR_SECONDS * before.rate)
     near = np.zeros((len(before), 1), bool)
@@ -242,18 +244,20 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
     frames = np.flatnonzero(with_margin(near, margin)[:-1])
     sharp = [jumps.sharp_steps(motion, frames).sum(axis=1) for motion in (before, after)]
     left = [jumps.jumping_steps(motion, frames).sum(axis=1) for motion in (before, after)]
+    is_jumpy = np.count_nonzero(sharp[0]) > JUMPY_SHARE * len(before)
+    if left[1].sum() > step.jumps_left * left[0].sum() and not is_jumpy:
+        return damage
     slides = np.zeros((2, len(before)))
     # A body that was still, or jumped, did not slide.
     if step.find is jumps.find_jumps or (step.option and 2 * sharp[1].sum() >= sharp[0].sum()):
         slides[:, :-1] = slides_of(before, after)
-    stands = np.count_nonzero(slides[0]) >= STANDING_SHARE * len(before)
     worse = []
     for finding in damage:
         there = slice(max(finding.stretch.start - margin, 0), finding.stretch.stop + margin)
         jumped, jumps_after = ((a + b)[there].sum() for a, b in zip(sharp, left, strict=True))
         slide = slides[:, there].sum(axis=1) / max(np.count_nonzero(slides[0, there]), 1)
         slid = slide[1] - slide[0] > max(SLIDING_SHARE * slide[0], SLIDING_CENTIMETRES)
-        if jumps_after > step.jumps_left * jumped or (stands and slid):
+        if jumps_after > step.jumps_left * jumped or (slid and not is_jumpy):
             worse.append(finding)
     return worse
 
