@@ -3,7 +3,7 @@
 x = "batch frames channels"                    an array of these sizes
 x = {array = "batch frames", within = 1.3}     with entries between -1.3 and 1.3
 x = {array = "batch", within = 1.3, around = 2} with entries between 0.7 and 3.3
-x = {uniform = "batch frames", within = 0.5}   between -0.5 and 0.5; many are uniform numbers
+x = {uniform = "batch frames", within = 0.5}   between -0.5 and 0.5, on no grid
 known = {half = "batch frames"}                booleans, half of them True, or one more
 taps = {size = "taps"}                         a size
 loss = {recorded = "LOSS"}                     the function of this text, which records its calls
@@ -20,8 +20,6 @@ from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import shape_of
 
 Arguments = Callable[[Case], dict[str, object]]
-SMALL = 8
-"""SMALL: arrays of at most so many entries are short to write down."""
 
 
 def drawn(entries: Mapping[str, object], space: Mapping[str, object]) -> Arguments:
@@ -60,6 +58,5 @@ def _drawn(
 
 
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:
-    """Entries between -bound and bound: of many, uniform ones, whose sums do not tie."""
-    is_small = np.prod(shape) <= SMALL
-    return spread(rng, shape, bound) if is_small else rng.uniform(-bound, bound, shape).round(3)
+    """Random entries between -bound and bound: sums of those on a grid would tie in the pooling."""
+    return rng.uniform(-bound, bound, shape).round(3)

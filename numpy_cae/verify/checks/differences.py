@@ -91,7 +91,6 @@ class Argument:
     epsilon: float
     tolerance: float
     rounding: np.ndarray | float = 0.0  # what rounding the arguments to float32 may change of it
-    together: bool = False  # all arrays of the arguments in one row
 
     def judge(self, direction: np.ndarray) -> Verdict:
         """Compare the pullback's number for a direction with slopes at several steps.

@@ -158,7 +158,7 @@ def wrong_gradients(
     upstream = upstream or (lambda output: rng.standard_normal(np.shape(output)))
     problems: list[Mismatch] = []
     for argument in _arguments(_Called(f, inputs, names, only), upstream, tolerance):
-        if argument.together:
+        if argument.name.startswith(TOGETHER):
             problems += [] if problems else _judge_together(argument)
         else:
             problems += _judge(argument, list(_directions(argument, rng)), rng, kinks_excused)
@@ -310,7 +310,7 @@ def _arguments_of(
         f = called.output_at(wide, places, number)
         x, *pulled = (flat([each[i] for i in places]) for each in (wide, gradients, rounding))
         options |= dict(zip(("gradient", "rounding"), pulled, strict=True))
-        yield Argument(TOGETHER, f, x, together=True, **options)
+        yield Argument(TOGETHER, f, x, **options)
 
 
 def _judge_together(at: Argument) -> Iterator[Mismatch]:

@@ -136,9 +136,8 @@ def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int 
         return Example(arguments)
     dy, right = right_results(operation, case, arguments)
     value, *gradients = right.values()
-    return Example(
-        arguments, dy, value, dict(zip(operation.differentiated, gradients, strict=True))
-    )
+    named = dict(zip(operation.differentiated, gradients, strict=True))
+    return Example(arguments, dy, value, named)
 
 
 def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:

@@ -99,9 +99,8 @@ def properties_of(
     shapes = {x: re.sub(r"\s*([*+])\s*", r"\1", text) for x, text in shapes.items()}
     _require_sizes(name, shapes)
     used = {*(sizes or ()), *(values or ()), *(differentiable or ())}
-    _require_known(
-        name, "shapes", used, [*shapes, *names_in(shapes), *drawing.leading_axes(shapes)]
-    )
+    known = [*shapes, *names_in(shapes), *drawing.leading_axes(shapes)]
+    _require_known(name, "shapes", used, known)
     values = {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
     dtype = np.float32 if tuple(dtypes) == ("float32",) else np.float64
     arguments = drawing.arguments_of(shapes, values, dtype)

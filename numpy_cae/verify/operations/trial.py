@@ -296,8 +296,9 @@ def _conditions(stated: Property, case: Case) -> set[str]:
         true |= {f"{name} is above {option}" for option in stated.sizes[name] if size > option}
         true |= {f"{name} is below {other}" for other in numbers if size < numbers[other]}
         true |= {f"{name} is as large as {o}" for o in numbers if o > name and size == numbers[o]}
-    for name, array in stated.arguments(case).items():
-        true |= {f"{name} is not 0"} if np.any(array) else set()
+    arguments = stated.arguments(case)
+    for name, array in arguments.items():  # of one array alone, it says nothing about the mistake
+        true |= {f"{name} is not 0"} if np.any(array) and len(arguments) > 1 else set()
         true |= {f"{name} has a 0"} if not np.all(array) else set()
     return true
 
