@@ -353,3 +353,11 @@ def test_our_name_of_a_joint_comes_before_a_joint_of_the_rig_of_that_name():
     assert rig_of(renamed).joints[JOINTS.index("spine")] == names.index("chest")
     assert usable(renamed, Finding("chest", (0, 5))).joint == "chest"
     assert usable(renamed, Finding("thorax", (0, 5))).joint == "chest"
+
+
+def test_every_step_says_which_share_of_the_time_has_passed(untrained_manifold):
+    for preset, steps in ((None, 5), (PRESETS["video"], 7)):
+        shares: list[float] = []
+        motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+        repair(motion, untrained_manifold, preset=preset, progress=shares.append)
+        assert len(shares) == steps and sorted(set(shares)) == shares and 0 < max(shares) < 1

@@ -74,9 +74,9 @@ def write_index(page: Path, rows: Sequence[Row]) -> None:
 
 Progress = Callable[[float], None]
 """Takes the share of a repair that is done."""
-READING = 1 / 6
-"""READING: the share of the time of a repair that reading takes, a quarter of a plain one and less
-of one with smoothing and feet (docs/lab_book/hard_use.md)."""
+READING = (0.08, 0.02)
+"""READING: the share of the time that reading takes, of a plain repair and of one with smoothing or
+feet."""
 UNCHANGED, UNLIKE = 3, 4
 """UNCHANGED, UNLIKE: exit statuses of one file in which nothing was changed; of one that is also
 unlike what the model knows."""
@@ -115,16 +115,17 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion, Progress], 
     targets = files.targets_of(args)
     single = files.is_single(args)
     reading = arguments.reading(args)
+    read = READING[_is_slow(args)]
     rows: list[Row] = []
     unusable: list[str] = []
     with working(str(args.files[0]) if single else report.count(len(targets), "file")) as is_done:
         for number, (source, target) in enumerate(targets.items()):
             try:
                 motion = load_motion(source, **reading)
-                is_done((number + READING) / len(targets))
+                is_done((number + read) / len(targets))
 
-                def done(share: float, before: float = number + READING) -> None:
-                    is_done((before + (1 - READING) * share) / len(targets))
+                def done(share: float, before: float = number + read) -> None:
+                    is_done((before + (1 - read) * share) / len(targets))
 
                 repaired = change(motion, done)
                 rows.append(_changed(args, source, target, motion, repaired))
@@ -149,12 +150,17 @@ def change_files(args: argparse.Namespace, change: Callable[[Motion, Progress], 
     return bool(unusable) + (not rows)
 
 
+def _is_slow(args: argparse.Namespace) -> bool:
+    """Whether the user asks for smoothing or feet."""
+    return args.command == "repair" and bool(args.source or args.smooth or args.feet)
+
+
 def _changed(
     args: argparse.Namespace, source: Path, target: Path | None, motion: Motion, repaired: Repaired
 ) -> Row:
     """Write a changed motion, its page and its findings, and print what was changed."""
     status = _status(args, motion, repaired)
-    advised = args.command == "repair" and not (args.source or args.smooth or args.feet)
+    advised = args.command == "repair" and not _is_slow(args)
     again = command_of(args, source, target or Path("fixed.bvh")) + " --html" * args.html
     said = report.sentences(repaired, again * advised) + [TRY] * (status == UNLIKE)
     values = report.measures(motion, repaired.motion)
