@@ -208,6 +208,8 @@ def joined(first: Motion, rest: Motion) -> Motion:
     return replace(rest, rotations=rotations, translations=translations)
 
 
+FITS = {"video": "shakes and whose feet slide", "suit": "begins with a pose of reference"}
+"""FITS: what a preset that `fitting_preset` names fits."""
 Measures = list[tuple[str, float, float]]
 """The name of each measure with its unit, and its value before and after."""
 
@@ -225,7 +227,7 @@ def sentences(repaired: Repaired, command: str = "") -> list[str]:
     if not repaired.known:
         said.append("unlike what the model knows: used only smoothing and filters, no prediction")
     if command and repaired.original and (name := fitting_preset(repaired.original)):
-        suits = f"which suits motion from a {name} such as this"
+        suits = f"which suits motion that {FITS[name]}, as this does"
         said.append(f"not done yet: {PRESETS[name]}, {suits}; to do it: {command} --from {name}")
     return said
 

@@ -81,8 +81,9 @@ UNCHANGED, UNLIKE = 3, 4
 """UNCHANGED, UNLIKE: exit statuses of one file in which nothing was changed; of one that is also
 unlike what the model knows."""
 TRY = (
-    "nothing was changed. Are the up axis (--up) and the joints (`numpy-cae rig`) right? Name what "
-    "is damaged (--joint, --frames), or where the motion is from (--from)"
+    "nothing was changed. If something is wrong all the same: check the up axis (--up) and the "
+    "joints (`numpy-cae rig`), name what is damaged (--joint, --frames), or where the motion is "
+    "from (--from)"
 )
 NOT_REPEATED = "command run files output dry_run overwrite html findings only".split()
 """NOT_REPEATED: what the command of one finding does not repeat."""
