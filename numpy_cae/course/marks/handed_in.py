@@ -132,7 +132,8 @@ def _unzipped(path: Path, into: Path) -> list[Found]:
                 place = PurePosixPath(*(part for part in parts if part not in ("", ".", "..")))
                 file_name = os.fsdecode(place.name.encode("utf-8", "surrogateescape"))
                 file = Path(tempfile.mkdtemp(dir=into), file_name)
-                file.write_bytes(packed.read(entry))
+                with packed.open(entry) as member:  # to read all may unpack more than it declares
+                    file.write_bytes(member.read(entry.file_size))
                 files.append((file, place, ""))
     except (ValueError, OSError, RuntimeError, NotImplementedError, zipfile.BadZipFile) as error:
         return [(path, _place(path.name), f"the zip file is not opened: {error}")]
