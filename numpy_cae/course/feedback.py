@@ -15,12 +15,21 @@ TEXT = '<pre style="white-space:pre-wrap;margin:.2em 0">{}</pre>'
 FOLDED = "<details><summary>{}</summary>{}</details>"
 
 
-class Printed(io.StringIO):
-    """A stream that shows the beginning of what is printed, and how many lines follow."""
+class Printed(io.TextIOBase):
+    """A stream that keeps the beginning of what is printed and counts the lines."""
+
+    def __init__(self) -> None:
+        self.kept = ""
+        self.lines = 0
+
+    def write(self, text: str) -> int:
+        self.kept = (self.kept + text)[:LONGEST_KEPT]
+        self.lines += text.count("\n")
+        return len(text)
 
     def __str__(self) -> str:
-        first = self.getvalue()[:LONGEST_KEPT].splitlines()[:MOST_LINES]
-        more = self.getvalue().count("\n") - len(first)
+        first = self.kept.splitlines()[:MOST_LINES]
+        more = self.lines - len(first)
         tail = [f"... {more} more lines: your function is called many times"] * (more > 0)
         return "".join(f"{line}\n" for line in first + tail)
 
