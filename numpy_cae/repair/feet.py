@@ -252,7 +252,9 @@ def _standing(motion: Motion, stances: list[Stance]) -> Motion:
         targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
     changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > RESTING_METRES)
     targets *= body_size(motion)
-    return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1))
+    # Nothing is damaged there: rotations that jump at an end of these frames are the file's.
+    start = motion.at(changed)
+    return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1), start)
 
 
 def _softened(chain: np.ndarray, leg: np.ndarray) -> np.ndarray:
