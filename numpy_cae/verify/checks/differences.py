@@ -172,7 +172,7 @@ class Argument:
         larger = max(abs(verdict.numeric), abs(verdict.analytic))
         off = min(abs(slope - verdict.analytic) for slope in (*found, verdict.numeric))
         dy = np.abs(self.dy)
-        weight = np.sum(dy[depend]) or np.max(dy, initial=0.0)
+        weight = np.sum(dy[depend]) or np.sum(dy)  # no output moves: each may be rounded
         terms = weight * np.max(np.abs(self.here), initial=0.0)
         terms += np.sum(np.abs(self.gradient * direction))
         of_single = np.sum(self.rounding * np.abs(direction))
