@@ -30,4 +30,4 @@ def decoder(case: Case, rng: np.random.Generator, made: dict) -> Weights:
 
 def random_directions(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
     """Unit vectors, one a row."""
-    return unit_rows(uniform(rng, (case["directions"], case["latent"]), 1.0))
+    return unit_rows(rng.uniform(-1.0, 1.0, (case["directions"], case["latent"])))
