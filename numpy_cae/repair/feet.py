@@ -36,7 +36,7 @@ from numpy_cae.motion.fit import bent
 from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import body_size, sliding, usual_body
+from numpy_cae.repair.curves import body_size, sliding, usual_body, usual_toes
 from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
 from numpy_cae.repair.jumps import jumping_steps, sharp_steps
 
@@ -289,7 +289,7 @@ def _shifts(motion: Motion, stances: list[Stance]) -> tuple[np.ndarray, np.ndarr
 
 def _toes(motion: Motion) -> tuple[np.ndarray, float]:
     """The places of both toes, (frames, 2, 3) in metres, and the height at which they stand."""
-    toes = usual_body(motion)[:, FEET]
+    toes = usual_toes(motion)
     lower = toes[..., 1].min(axis=1)
     step = np.linalg.norm(np.diff(toes, axis=0, append=toes[-1:]), axis=-1).min(axis=1)
     slow = step * motion.rate < SLOW_METRES_A_SECOND
