@@ -24,7 +24,7 @@ from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.repair import PRESETS, Preset, repair
-from numpy_cae.repair.jumps import jumping_steps
+from numpy_cae.repair.jumps import jump_levels
 from numpy_cae.repair.presets import fitting_preset
 from studies.shared.result import Claim, Result, Table
 
@@ -74,8 +74,8 @@ class _File:
 def measures_of(before: Motion, after: Motion) -> Measures:
     """The measures of a motion `after` a repair, which may have cut off its start."""
     before = before.at(slice(len(before) - len(after), None))
-    near = with_margin(jumping_steps(before), round(NEAR * before.rate))
-    jumps = jumping_steps(after)
+    near = with_margin(jump_levels(before) > 0, round(NEAR * before.rate))
+    jumps = jump_levels(after) > 0
     positions = body_positions(after)
     lengths = np.linalg.norm(after.translations[:, 1:], axis=-1)
     moved = positions - body_positions(before)

@@ -38,7 +38,7 @@ from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import body_size, sliding, usual_body, usual_toes
 from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
-from numpy_cae.repair.jumps import jumping_steps, sharp_steps
+from numpy_cae.repair.jumps import SHARP, jump_levels
 
 TOES = [JOINTS[foot] for foot in FEET]
 LEGS = [list(range(toe - 3, toe + 1)) for toe in FEET]
@@ -207,13 +207,13 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
             stances = _stances(*_toes(best), motion.rate, travels)
         else:
             break
-    sharp = [sharp_steps(each).any(axis=1).sum() for each in (motion, best)]
+    sharp = [(jump_levels(x) == SHARP).any(axis=1).sum() for x in (motion, best)]
     return motion if travels and (slides > sliding(motion) or sharp[1] > sharp[0]) else best
 
 
 def _jumps(motion: Motion) -> np.ndarray:
     """The frames (frames,) in which a joint jumps."""
-    return np.asarray(jumping_steps(motion).any(axis=1))
+    return np.asarray((jump_levels(motion) > 0).any(axis=1))
 
 
 def _rests(motion: Motion, before: float) -> bool:

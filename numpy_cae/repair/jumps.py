@@ -6,7 +6,7 @@ the whole motion smears single frames that jump, so these are filtered strongly 
 values before it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,6 +37,8 @@ SHARPNESS_RATIO = 0.45
 two frames around. After a frame that is elsewhere the ratio is 1, in noise about 1, where a joint
 moves to another place within a step 0.5, where it stops within a frame 0.33; in fast motion at 24
 to 30 frames a second it is mostly below 0.2."""
+SHARP = 2
+"""SHARP: the level of a step that jumps and is sharp (`jump_levels`)."""
 ROUNDS = 3
 """ROUNDS: the strong filter acts at most this often."""
 BLENDED_SECONDS = 0.25
@@ -63,11 +65,13 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> find_jumps(motion)
     [left_wrist: frames 19 to 38: jumps ...
     """
-    frames, sharp = _sharp_and_rough(motion, sensitivity)
+    levels = jump_levels(motion, _rough_frames(motion), sensitivity)
+    sharp = levels == SHARP
     sparse, step = at_about_thirty(motion)
     if step > 1:  # a joint that jumps within a 30th of a second does so in several frames
-        sharp |= _sharp_and_rough(sparse, sensitivity)[1].repeat(step, axis=0)[: len(motion)]
-    jumps = jumping_steps(motion, frames) | sharp
+        of_sparse = jump_levels(sparse, _rough_frames(sparse), sensitivity) == SHARP
+        sharp |= of_sparse.repeat(step, axis=0)[: len(motion)]
+    jumps = (levels > 0) | sharp
     found = []
     for column in np.flatnonzero(sharp.any(axis=0)).tolist():
         joined = with_margin(jumps[:, [column]], round(BLENDED_SECONDS * motion.rate / 2))[:, 0]
@@ -81,12 +85,11 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     return found
 
 
-def _sharp_and_rough(motion: Motion, sensitivity: float) -> tuple[np.ndarray, np.ndarray]:
-    """The frames next to those in which a curve is rough, and the steps of `sharp_steps` there."""
+def _rough_frames(motion: Motion) -> np.ndarray:
+    """The frames next to those in which a curve is rough."""
     curves = list(curves_of(motion)) if len(motion) >= filters.LEAST_FRAMES else []
     rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
-    frames = np.flatnonzero(with_margin(rough[:, None] > SHARP_METRES, 1)[:-1])
-    return frames, sharp_steps(motion, frames, sensitivity)
+    return np.flatnonzero(with_margin(rough[:, None] > SHARP_METRES, 1)[:-1])
 
 
 def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:
@@ -112,55 +115,34 @@ def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = Non
             rotations[part], translations[part] = done.rotations, done.translations
         source = filtered
         beside = with_margin(jumps, round(BLENDED_SECONDS * motion.rate))
-        jumps = jumping_steps(filtered, np.flatnonzero(near[:-1])) & beside
+        jumps = (jump_levels(filtered, np.flatnonzero(near[:-1])) > 0) & beside
         if not jumps.any():
             break
     return filtered
 
 
-def jumping_steps(motion: Motion, frames: np.ndarray | None = None) -> np.ndarray:
-    """The steps to the next frame that jump: those that differ by more than `OFF_MEDIAN_METRES`
-    from the median of seven steps, (frames, 20) of bool. If `frames` are given, only these are
-    looked at."""
-    return _steps_that(motion, frames, lambda positions: _off_median(positions) > 1)
-
-
-def sharp_steps(
+def jump_levels(
     motion: Motion, frames: np.ndarray | None = None, sensitivity: float = 0.5
 ) -> np.ndarray:
-    """The steps to the next frame that jump and are sharp, (frames, 20) of bool: their joint is off
-    the cubic through the two frames before it and the two after it."""
+    """How much the steps to the next frame jump, (frames, 20) of int: 0 not, 1 if they differ by
+    more than `OFF_MEDIAN_METRES` from the median of seven steps, `SHARP` if, besides, their joint
+    is off the cubic through the two frames before it and the two after it. If `frames` are given,
+    only these are looked at."""
+    levels = np.zeros((len(motion), len(JOINTS)), np.int8)
     least = max(SHARP_METRES, SHARP_METRES_A_SECOND_SQUARED / motion.rate**2) / (2 * sensitivity)
-
-    def sharp(positions: np.ndarray) -> np.ndarray:
-        off = np.linalg.norm(off_cubic(positions), axis=-1)
-        steps = np.linalg.norm(np.diff(positions, axis=0), axis=-1)
-        around = sliding_window_view(np.pad(steps, ((2, 2), (0, 0))), 5, axis=0).max(axis=-1)
-        is_off = np.maximum(off[:-1], off[1:]) >= np.maximum(least, SHARPNESS_RATIO * around)
-        return is_off & (_off_median(positions) > 1)
-
-    return _steps_that(motion, frames, sharp)
-
-
-def _steps_that(
-    motion: Motion, frames: np.ndarray | None, do: Callable[[np.ndarray], np.ndarray]
-) -> np.ndarray:
-    """The steps of joints that do something, (frames, 20) of bool, by a function of positions
-    (F, 20, 3), for a body of usual size, to steps (F - 1, 20)."""
-    found = np.zeros((len(motion), len(JOINTS)), bool)
     joints = rig_of(motion).joints
     size = body_size(motion)
     for part in blocks(np.arange(len(motion) - 1) if frames is None else frames):
         first = max(int(part[0]) - 5, 0)
-        steps = do(motion.at(slice(first, int(part[-1]) + 6)).positions(joints) / size)
-        found[part] = steps[part - first]
-    return found
-
-
-def _off_median(positions: np.ndarray) -> np.ndarray:
-    """How far steps (F - 1, 20) are from the median of seven, in units of the threshold."""
-    steps = np.diff(positions, axis=0)
-    return np.linalg.norm(steps - filters.median_of(steps, 3), axis=-1) / OFF_MEDIAN_METRES
+        positions = motion.at(slice(first, int(part[-1]) + 6)).positions(joints) / size
+        steps = np.diff(positions, axis=0)
+        jumping = np.linalg.norm(steps - filters.median_of(steps, 3), axis=-1) > OFF_MEDIAN_METRES
+        off = np.linalg.norm(off_cubic(positions), axis=-1)
+        lengths = np.pad(np.linalg.norm(steps, axis=-1), ((2, 2), (0, 0)))
+        around = sliding_window_view(lengths, 5, axis=0).max(axis=-1)
+        sharp = np.maximum(off[:-1], off[1:]) >= np.maximum(least, SHARPNESS_RATIO * around)
+        levels[part] = (jumping * np.where(sharp, SHARP, 1))[part - first]
+    return levels
 
 
 def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motion:
@@ -213,6 +195,6 @@ def smooth_motion(motion: Motion, findings: Sequence[Finding] = ()) -> Motion:
     """The motion without the jitter of its rotations and translations, in all frames."""
     smooth = filters.filter_motion(motion, lambda curve: filters.smooth_curve(curve, motion.rate))
     # A fast kick is not sharp and no jump; what was sharp is no longer so once it is filtered.
-    sharp = sharp_steps(motion).max(axis=1, keepdims=True)
+    sharp = (jump_levels(motion) == SHARP).any(axis=1, keepdims=True)
     near = with_margin(sharp, round(BLENDED_SECONDS * motion.rate))
-    return without_jumps(smooth, jumping_steps(smooth) & near, motion)
+    return without_jumps(smooth, (jump_levels(smooth) > 0) & near, motion)

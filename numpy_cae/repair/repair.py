@@ -245,8 +245,9 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
     for finding in damage:
         near[finding.stretch] = True
     frames = np.flatnonzero(with_margin(near, margin)[:-1])
-    sharp = [jumps.sharp_steps(motion, frames).sum(axis=1) for motion in (before, after)]
-    left = [jumps.jumping_steps(motion, frames).sum(axis=1) for motion in (before, after)]
+    levels = [jumps.jump_levels(motion, frames) for motion in (before, after)]
+    sharp = [(level == jumps.SHARP).sum(axis=1) for level in levels]
+    left = [(level > 0).sum(axis=1) for level in levels]
     is_jumpy = np.count_nonzero(sharp[0]) > JUMPY_SHARE * len(before)
     if left[1].sum() > step.jumps_left * left[0].sum() and not is_jumpy:
         return damage
@@ -257,7 +258,7 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
     worse = []
     for finding in damage:
         there = slice(max(finding.stretch.start - margin, 0), finding.stretch.stop + margin)
-        jumped, jumps_after = ((a + b)[there].sum() for a, b in zip(sharp, left, strict=True))
+        jumped, jumps_after = (level[there].sum() for level in levels)  # a sharp jump counts twice
         slide = slides[:, there].sum(axis=1) / max(np.count_nonzero(slides[0, there]), 1)
         slid = slide[1] - slide[0] > max(SLIDING_SHARE * slide[0], SLIDING_CENTIMETRES)
         if jumps_after > step.jumps_left * jumped or (slid and not is_jumpy):

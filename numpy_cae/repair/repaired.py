@@ -16,7 +16,7 @@ from numpy_cae.motion.quaternions import rotate
 from numpy_cae.repair.curves import LEAST_LEVER_METRES, sliding
 from numpy_cae.repair.finding import STATUSES, Finding, is_path
 from numpy_cae.repair.interpolated import missing_joints, with_finite_values
-from numpy_cae.repair.jumps import sharp_steps
+from numpy_cae.repair.jumps import SHARP, jump_levels
 from numpy_cae.repair.presets import PRESETS, fitting_preset, shaking
 
 MOVED_METRES = 1e-6
@@ -247,4 +247,4 @@ def measures(before: Motion, after: Motion) -> Measures:
 
 
 def _jumps(motion: Motion) -> float:
-    return float(np.count_nonzero(sharp_steps(motion).any(axis=1)))
+    return float(np.count_nonzero((jump_levels(motion) == SHARP).any(axis=1)))
