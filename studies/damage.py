@@ -18,7 +18,7 @@ from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
 from numpy_cae.evaluation.baselines import Gaussian
-from numpy_cae.evaluation.clips import clips_of
+from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retarget.body import Body

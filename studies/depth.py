@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.evaluation.clips import clips_of
+from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import MotionManifold, hidden_units, learn_manifold
 from numpy_cae.training import Schedule, recipe, zero_values
 from studies.shared.material import Material, features_of

@@ -16,9 +16,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation import position_error
-from numpy_cae.evaluation.clips import Clips
-from numpy_cae.evaluation.measures import jitter
+from numpy_cae.evaluation import jitter, position_error
+from numpy_cae.evaluation.tables import Clips
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.fill import keyframe_mask
 from numpy_cae.mocap import body_positions

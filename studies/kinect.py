@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.evaluation import PCA
-from numpy_cae.evaluation.clips import Clips, clips_of
+from numpy_cae.evaluation.tables import Clips, clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import POSITIONS
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.evaluation.measures import jitter
+from numpy_cae.evaluation import jitter
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions, find_motion_files, load_motion
 from numpy_cae.motion import Motion

@@ -1,7 +1,7 @@
 """Values removed with probability p from 0.1 to 0.9, repaired by the network and by baselines:
 holden2015, section 7, "Fixing Corrupt Motion Data".
 
-The methods are those of `numpy_cae.evaluation.half_removed`, grouped by what they are given: the
+The methods are those of `numpy_cae.evaluation.tables`, grouped by what they are given: the
 zeros as they are or, from "mask:" on, which values are missing. Errors are root mean squares of a
 coordinate in at most 60 windows of the test takes. Baselines are fitted to the training takes; PCA
 has the number of axes that is best on the test takes, which favours PCA.
@@ -17,9 +17,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation import half_removed as half
-from numpy_cae.evaluation.clips import Clips, clips_of
-from numpy_cae.evaluation.half_removed import Repairs
+from numpy_cae.evaluation import tables as half
+from numpy_cae.evaluation.tables import Clips, Repairs, clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH

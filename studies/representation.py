@@ -24,9 +24,8 @@ from timeit import repeat
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.evaluation import position_error
-from numpy_cae.evaluation.clips import Clips
-from numpy_cae.evaluation.measures import jitter
+from numpy_cae.evaluation import jitter, position_error
+from numpy_cae.evaluation.tables import Clips
 from numpy_cae.manifold import MotionManifold, hidden_units
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import JOINTS, POSITIONS, features_to_positions

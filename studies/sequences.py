@@ -11,9 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from numpy_cae.cli.shared.output import note
-from numpy_cae.evaluation import reconstruction as evaluated
-from numpy_cae.evaluation.reconstruction import LINEAR, NETWORK, SQUARED
-from numpy_cae.evaluation.table import Table
+from numpy_cae.evaluation import tables as evaluated
+from numpy_cae.evaluation.tables import BY_PCA, NETWORK, SQUARED, Table
 from numpy_cae.training import SequenceSchedule, TrainingState
 from studies.jang2018 import training
 from studies.jang2018.actions import Action
@@ -88,7 +87,7 @@ def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
             action.name, study.manifold, action.training, action.testing, seed
         )
         tables.append(table)
-        network, linear = (table.value(f"{action.name}: {m}", SQUARED) for m in (NETWORK, LINEAR))
+        network, linear = (table.value(f"{action.name}: {m}", SQUARED) for m in (NETWORK, BY_PCA))
         latent = study.manifold.network.latent
         figures = f"{network:.3f} of unit variance, PCA with {latent} numbers {linear:.3f}."
         claims.append(Claim("reconstructs", network < linear, figures, action.name))

@@ -6,7 +6,7 @@ same takes: those of the other sources, or four fifths of those of the source it
 root mean squares of a joint coordinate in at most 60 windows of the takes that are left, evenly
 spaced: the mean over three seeds of the values removed and, after ±, half of the difference between
 the largest and the smallest. Networks are those of recipe fast, trained once. Methods are grouped
-by what they are given, as in `numpy_cae.evaluation.half_removed`: the zeros as they are or, from
+by what they are given, as in `numpy_cae.evaluation.tables`: the zeros as they are or, from
 "mask:" on, which values are missing. PCA has the number of axes that is best on the windows it is
 tested on, which favours PCA; the linear map is fitted for each p.
 
@@ -19,8 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cli.shared.files import usable
-from numpy_cae.evaluation.clips import clips_of
-from numpy_cae.evaluation.half_removed import COMPLETED, GAUSSIAN, PCHIP, Repairs
+from numpy_cae.evaluation.tables import COMPLETED, GAUSSIAN, PCHIP, Repairs, clips_of
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.bodies import read_body

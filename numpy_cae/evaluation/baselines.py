@@ -121,8 +121,6 @@ def _with_ridge(matrix: np.ndarray) -> np.ndarray:
     return matrix + RIDGE * diagonal.mean() * np.eye(len(diagonal))
 
 
-SIZES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700, 1000)
-"""Numbers of axes that experiments choose from."""
 NO_VARIANCE = 1e-11
 """Share of the largest variance below which an axis is rounding error."""
 
@@ -157,14 +155,9 @@ class PCA:
         kept = np.flatnonzero(spread > NO_VARIANCE * spread[-1])[::-1]
         return cls(mean, vectors.T[kept] @ x / np.sqrt(spread[kept, None]))
 
-    @property
-    def sizes(self) -> list[int]:
-        """Those of `SIZES` that are fewer than all axes, and the number of all."""
-        return [size for size in SIZES if size < len(self.axes)] + [len(self.axes)]
-
-    def project(self, x: np.ndarray, size: int) -> np.ndarray:
-        """The nearest points on the manifold of the first `size` axes, in the shape of x, which is
-        any whose numbers are rows of N one after the other."""
+    def project(self, x: np.ndarray, size: int | None) -> np.ndarray:
+        """The nearest points on the manifold of the first `size` axes, or of all where None, in the
+        shape of x, which is any whose numbers are rows of N one after the other."""
         axes = self.axes[:size]
         rows = x.reshape(-1, len(self.mean)) - self.mean
         return (rows @ axes.T @ axes + self.mean).reshape(x.shape)

@@ -17,8 +17,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation.measures import diversity, nearest_distance, nearest_neighbour_accuracy
-from numpy_cae.evaluation.table import Table
+from numpy_cae.evaluation import diversity, nearest_distance, nearest_neighbour_accuracy
+from numpy_cae.evaluation.tables import Table
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
 from studies.jang2018.training import CLIPS, Study, discrepancy

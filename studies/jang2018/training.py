@@ -16,7 +16,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.evaluation import angle_distance
-from numpy_cae.evaluation.table import Table
+from numpy_cae.evaluation.tables import Table
 from numpy_cae.manifold import SequenceManifold
 from numpy_cae.manifold.learning import train_on_sequences, untrained_sequences
 from numpy_cae.mocap import body_positions

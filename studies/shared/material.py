@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from numpy_cae.cli.shared.files import named_files, usable
-from numpy_cae.evaluation.clips import Clips, clips_of
+from numpy_cae.evaluation.tables import Clips, clips_of
 from numpy_cae.mocap.bodies import read_body
 from numpy_cae.mocap.load import is_test, load_motion
 from numpy_cae.motion import Motion

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from numpy_cae.evaluation.table import Table
+from numpy_cae.evaluation.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,8 +13,8 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from numpy_cae.evaluation.measures import jitter
-from numpy_cae.evaluation.table import Table
+from numpy_cae.evaluation import jitter
+from numpy_cae.evaluation.tables import Table
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.features import POSITIONS, features_to_positions, frame_lengths
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from numpy_cae import training
 from numpy_cae.cli.shared.output import note
-from numpy_cae.evaluation.clips import Clips
+from numpy_cae.evaluation.tables import Clips
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.manifold.complete import zeroed_fraction

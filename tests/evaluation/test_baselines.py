@@ -8,7 +8,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from numpy_cae.evaluation import PCA, baselines
 from numpy_cae.evaluation.baselines import Gaussian, contexts, filtered
-from numpy_cae.evaluation.half_removed import by_column
+from numpy_cae.evaluation.tables import by_column
 from numpy_cae.manifold.complete import interpolated
 
 

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 
 from data_synth import make_take
 from numpy_cae import mocap, motion
-from numpy_cae.evaluation.clips import Clips
-from numpy_cae.evaluation.measures import (
+from numpy_cae.evaluation import (
     clip_distances,
     diversity,
     jitter,
     nearest_distance,
     nearest_neighbour_accuracy,
 )
+from numpy_cae.evaluation.tables import Clips
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.fit import body_skeleton

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.evaluation.clips import clips_of
+from numpy_cae.evaluation.tables import clips_of
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from numpy_cae.evaluation import reconstruction
+from numpy_cae.evaluation import tables
 from studies.__main__ import NAMES, main
 from studies.jang2018 import samples
 
@@ -87,7 +87,7 @@ def test_takes_of_the_training_are_refused(
 
 def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys, monkeypatch):
     for module, name, fewer in (
-        (reconstruction, "PCA_CLIPS", 200),
+        (tables, "PCA_CLIPS", 200),
         (samples, "SAMPLES", 20),
         (samples, "REPEATS", 1),
     ):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from numpy_cae.evaluation.clips import clips_of
-from numpy_cae.evaluation.half_removed import DAMAGED, GAUSSIAN, LINEAR
+from numpy_cae.evaluation.tables import DAMAGED, GAUSSIAN, LINEAR, clips_of
 from numpy_cae.motion.hole_curves import ROTATION_CURVES
 from studies import interpolation
 from studies.filling_in import NETWORK

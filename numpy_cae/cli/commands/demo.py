@@ -13,7 +13,7 @@ import numpy as np
 from data_synth import make_take
 from numpy_cae import viz
 from numpy_cae.cli.shared import arguments
-from numpy_cae.evaluation.half_removed import NOTE, P, half_removed
+from numpy_cae.evaluation.tables import NOTE, P, half_removed
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import body_of, write_bvh
 from numpy_cae.motion import RATE

@@ -23,8 +23,7 @@ from numpy_cae import training, viz
 from numpy_cae.atomic_write import require_place
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import bodies, in_halves, usable
-from numpy_cae.evaluation.half_removed import NOTE, half_removed
-from numpy_cae.evaluation.reconstruction import reconstruction
+from numpy_cae.evaluation.tables import NOTE, half_removed, reconstruction
 from numpy_cae.manifold.learning import HIDDEN, LATENT, learn_manifold, learn_sequences
 from numpy_cae.mocap.load import find_motion_files, is_test, load_angles
 from numpy_cae.motion import ANGLE_RATE, CLIP, LENGTH, RATE

@@ -1,0 +1,246 @@
+"""The tables that `train` and `demo` print: half of all values removed, then repaired (holden2015,
+section 7 and figure 1, left), and held-out clips reconstructed by jang2018's network.
+
+Each value of the normalised windows of test takes is set to zero, the value of the mean pose, with
+probability 1/2. Padded frames do not count. The zeros show which values were removed. The first
+methods are given the zeros as they are, as in the paper; the last ones, whose rows begin with
+"mask:", are given which values are missing.
+
+jang2018's network is compared with PCA of whole clips with as many numbers as z has, the mean pose,
+and the first frame held. Errors are mean squares of standardised numbers (the mean pose has about
+1) and jang2018's own, the Euclidean distance of a frame's 51 angles in radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import pchip_interpolate
+
+from numpy_cae.evaluation import angle_distance, position_error
+from numpy_cae.evaluation.baselines import PCA, Gaussian, filtered
+from numpy_cae.manifold import MotionManifold, SequenceManifold
+from numpy_cae.manifold.complete import interpolated, zeroed_fraction
+from numpy_cae.motion import AngleSequence, cut_clips, cut_windows, draw_clips
+from numpy_cae.training import zero_values
+
+
+@dataclass(frozen=True)
+class Table:
+    """Plain values with a heading for each column; the first value of a row is its name.
+
+    A value that is None or nan is an empty cell; a str or an int is printed as it is. `formats`
+    are of the floats: one format for all columns, or one for each.
+
+    Examples
+    --------
+    >>> print(Table("Errors:", ["method", "cm"], [["network", 1.3], ["PCA", 2.06]]).text())
+    Errors:
+    <BLANKLINE>
+    | method  |   cm |
+    |---------|-----:|
+    | network | 1.30 |
+    | PCA     | 2.06 |
+    """
+
+    caption: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[object]]
+    formats: str | Sequence[str] = ".2f"
+
+    def text(self) -> str:
+        """The caption and the table in Markdown's form, padded for a terminal: the first column is
+        left-aligned, the others right-aligned."""
+        one = isinstance(self.formats, str)
+        formats = [self.formats] * len(self.header) if one else self.formats
+        columns: list[list[str]] = []
+        for form, *values in zip(formats, self.header, *self.rows, strict=True):
+            cells = [_printed(value, form) for value in values]
+            width = max(map(len, cells))
+            heading, *padded = (f" {cell:{'>' if columns else '<'}{width}} " for cell in cells)
+            columns.append([heading, "-" * (width + 1) + "-:"[bool(columns)], *padded])
+        lines = ["|" + "|".join(row) + "|" for row in zip(*columns, strict=True)]
+        return "\n".join([self.caption, "", *lines] if self.caption else lines)
+
+    def value(self, row: str, column: str) -> object:
+        """The value in the row of that name, the column of that heading."""
+        values = next(values for values in self.rows if values[0] == row)
+        return values[list(self.header).index(column)]
+
+
+def _printed(value: object, form: str) -> str:
+    if isinstance(value, float | np.floating):
+        return "" if np.isnan(value) else format(float(value), form)
+    return "" if value is None else str(value)
+
+
+@dataclass(frozen=True)
+class Clips:
+    """The true windows with which repaired windows are compared."""
+
+    manifold: MotionManifold  # gives the mean skeleton and the scale
+    x: np.ndarray  # X: normalised windows (N, T, 63); zero is the mean pose
+    real: np.ndarray  # (N, T) bool: frames that count, not those that pad a short take
+    take: np.ndarray  # (N,) number of the take of each window
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def error(self, x: np.ndarray, joint: str | None = None) -> float:
+        """The `position_error` of windows, cm, over all joints or one."""
+        gap = (x[self.real] - self.x[self.real]) / self.manifold.scale  # the mean pose cancels
+        return position_error(gap, np.zeros(gap.shape[-1]), joint=joint)
+
+    def evenly(self, count: int) -> Clips:
+        """At most `count` of the windows, evenly spaced."""
+        chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
+        return replace(self, x=self.x[chosen], real=self.real[chosen], take=self.take[chosen])
+
+
+def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
+    """Cut world positions (F, 20, 3) of takes into windows of the manifold's length.
+
+    The windows overlap by half, whatever the overlap in training, so that two networks are measured
+    on the same windows. ValueError if there are no takes.
+    """
+    if not takes:
+        raise ValueError("there are no takes to cut into windows")
+    length = manifold.window
+    cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
+    numbers = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
+    x = np.concatenate([manifold.normalise(windows) for windows, _ in cut])
+    return Clips(manifold, x, np.concatenate([real for _, real in cut]), numbers)
+
+
+P = 0.5
+"""The probability with which a value is removed."""
+FITTED = 2000
+"""Baselines are fitted to at most this many windows, evenly spaced, to save memory and time."""
+SIZES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700, 1000, None)
+"""Numbers of axes of PCA, the last one all, of which the best is taken."""
+MEAN = "the mean pose"
+DAMAGED = "as damaged"
+PRINCIPAL = "PCA on windows, input / (1 - p)"
+LINEAR = "linear map of 15 frames"
+NETWORK = "the network"
+LINES = "mask: linear interpolation"
+PCHIP = "mask: monotone cubic (PCHIP)"
+SPLINE = "mask: limited cubic spline"
+GAUSSIAN = "mask: Gaussian of 15 frames"
+COMPLETED = "mask: completed by the manifold"
+SIMPLE = (PRINCIPAL, LINEAR)
+SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, GAUSSIAN)
+"""SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
+HEADER = ("method", "reconstruction", "half removed", "share")
+NOTE = (
+    "Errors are of the pose in the body's own frame, without path and heading. The share is "
+    "what is left of the damage. PCA has the number of axes that is best for the repair of the "
+    "test takes, which favours PCA. PCA, the linear map and the Gaussian are fitted to the "
+    'training takes. Rows with "mask:" are given which values are missing.'
+)
+
+
+def half_removed(
+    manifold: MotionManifold,
+    training: Sequence[np.ndarray],
+    testing: Sequence[np.ndarray],
+    seed: int = 0,
+) -> Table:
+    """Compare the network, also averaged over all shifts of its pooling grid, and the completion
+    by the manifold with no repair, the mean pose and the baselines.
+
+    Takes are world positions (F, 20, 3); baselines are fitted to those for training. The seed draws
+    the values that are removed. `NOTE` says how the table is read.
+    """
+    fitted, test = (clips_of(manifold, takes) for takes in (training, testing))
+    damaged = zero_values(test.x, P, np.random.default_rng(seed))
+    before = test.error(damaged)
+    rows = []
+    for name, undamaged, repaired in Repairs(manifold, fitted).of(test, damaged, P):
+        error = test.error(repaired)
+        rows.append([name, test.error(undamaged), error, error / before])
+    title = f"{len(testing)} test takes, {len(test)} windows, errors in cm:"
+    return Table(title, HEADER, rows)
+
+
+class Repairs:
+    """The methods of the table, with baselines fitted to windows of training takes."""
+
+    def __init__(self, manifold: MotionManifold, training: Clips):
+        self.manifold = manifold
+        fitted = training.evenly(FITTED)
+        self.pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
+        self.gaussian = Gaussian(fitted.x, fitted.real)
+
+    def of(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
+        """The name of each method, and what it makes of the undamaged windows and of the damaged
+        ones, in which zeros, a share p of the values, are missing."""
+        x = test.x
+        yield DAMAGED, x, damaged
+        yield MEAN, 0 * x, 0 * x
+        divided = damaged / (1 - zeroed_fraction(damaged))
+        size = min(SIZES, key=lambda n: test.error(self.pca.project(divided, n)))
+        yield PRINCIPAL, self.pca.project(x, size), self.pca.project(divided, size)
+        weights = self.gaussian.linear_map(p)
+        yield LINEAR, filtered((1 - p) * x, weights), filtered(damaged, weights)
+        for name, shifts in ((NETWORK, False), (f"{NETWORK}, averaged over shifts", True)):
+            yield name, *(self.manifold.project_windows(each, shifts) for each in (x, damaged))
+        known = damaged != 0
+        yield LINES, x, by_column(damaged, known, np.interp)
+        yield PCHIP, x, by_column(damaged, known, _pchip)
+        yield SPLINE, x, interpolated(damaged, known)
+        yield GAUSSIAN, x, self.gaussian.complete(damaged, known)
+        yield COMPLETED, x, self.manifold.complete_windows(damaged, known)
+
+
+def by_column(x: np.ndarray, known: np.ndarray, curve: Callable[..., np.ndarray]) -> np.ndarray:
+    """Windows (N, T, C) interpolated over time by curve(frames, known frames, known values), each
+    column by itself; before the first and after the last known value this value is repeated, and a
+    column without one is zero."""
+    filled = np.zeros_like(x)
+    frames = np.arange(x.shape[1])
+    for window, column in np.argwhere(known.any(axis=1)):
+        keys = np.flatnonzero(known[window, :, column])
+        inside = frames.clip(keys[0], keys[-1])
+        filled[window, :, column] = curve(inside, keys, x[window, keys, column])
+    return filled
+
+
+def _pchip(frames: np.ndarray, keys: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return pchip_interpolate(keys, values, frames) if len(keys) > 1 else values
+
+
+BY_PCA = "PCA"
+HELD = "the first frame held"
+SQUARED = "mean square, standardised"
+PCA_CLIPS = 1500
+"""Training clips that PCA is fitted to."""
+Takes = Sequence[AngleSequence]
+
+
+def reconstruction(
+    name: str, manifold: SequenceManifold, training: Takes, testing: Takes, seed: int = 0
+) -> Table:
+    """Measure the manifold of an action on clips of test motions.
+
+    The seed chooses the clips of the training motions that PCA is fitted to.
+    """
+    latent = manifold.network.latent
+    x = manifold.normalise(cut_clips(testing, frames=manifold.frames))
+    rng = np.random.default_rng(seed)
+    learned = manifold.normalise(draw_clips(training, PCA_CLIPS, rng, manifold.frames))
+    reconstructions = {
+        NETWORK: manifold.network.denoise(x),
+        BY_PCA: PCA.fit(learned.reshape(PCA_CLIPS, -1)).project(x, latent),
+        MEAN: np.zeros_like(x),
+        HELD: np.broadcast_to(x[:, :1], x.shape),
+    }
+    truth = manifold.denormalise(x)
+    rows: list[list[object]] = []
+    for method, x_hat in reconstructions.items():
+        squared = float(np.mean((x_hat.astype(np.float64) - x) ** 2))
+        distance = angle_distance(manifold.denormalise(x_hat), truth)
+        rows.append([f"{name}: {method}", squared, distance])
+    return Table("", [f"{latent} numbers a clip", SQUARED, "distance, rad"], rows, ".3f")
