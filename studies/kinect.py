@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from numpy_cae.evaluation import PCA
-from numpy_cae.evaluation.tables import Clips, clips_of
+from numpy_cae.evaluation.tables import SIZES, Clips, clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.motion import POSITIONS
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
@@ -79,7 +79,7 @@ def simple_errors(
     filtered = [gaussian_filter1d(seen, sigma, axis=1, mode="nearest") for sigma in SIGMAS]
     return {
         "Gaussian filter over time": min(map(testing.error, filtered)),
-        "PCA on windows": min(testing.error(pca.project(seen, axes)) for axes in pca.sizes),
+        "PCA on windows": min(testing.error(pca.project(seen, axes)) for axes in SIZES),
     }
 
 
