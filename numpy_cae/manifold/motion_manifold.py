@@ -45,7 +45,7 @@ class MotionManifold:
     settings : dict
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
-        Whether the network was trained on X_c / (1 - p): see `training.step`.
+        Whether the network was trained on X_c / (1 - p): see `training.corruption`.
 
     Examples
     --------

@@ -2,7 +2,7 @@
 
 To train a layer, the layers before it first encode the clean motion; the layer then learns to
 restore this encoding from a corrupted copy (Vincent 2010). Fine tuning then trains the whole stack
-at once.
+at once. What is random in a step is drawn by `corruption`.
 """
 
 from collections.abc import Callable, Iterator
@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.loop import History, TrainingState
+from numpy_cae.training.corruption import corrupted_copy, unpooling_mask
+from numpy_cae.training.loop import Checkpoint, History, TrainingState
+from numpy_cae.training.optimisers import clip_norm
 from numpy_cae.training.schedule import Schedule
-from numpy_cae.training.step import denoising_step, drawn_inputs
 
 
 def train_autoencoder(
@@ -68,8 +68,7 @@ def train_autoencoder(
     schedule = schedule or Schedule()
     state = TrainingState(model.parameters, np.random.default_rng(rng))
     if checkpoint is not None:
-        settings = schedule, [layer.bound for layer in model.layers], state.rng.bit_generator.state
-        checkpoint.load_into(state, fingerprint([*state.weights.values(), windows], *settings))
+        checkpoint.load_into(state, windows, schedule, [layer.bound for layer in model.layers])
     for _ in autoencoder_steps(model, windows, schedule, state):
         if report is not None:
             report(state)
@@ -79,16 +78,31 @@ def train_autoencoder(
 def autoencoder_steps(
     model: ConvAutoencoder, windows: np.ndarray, schedule: Schedule, state: TrainingState
 ) -> Iterator[None]:
-    """Train from `state` on, and yield after every step: the loop of `train_autoencoder`."""
-    for name, number, stage in schedule.stages(len(model.layers))[state.stage :]:
+    """Train from `state` on, and yield after every step: the loop of `train_autoencoder`.
+
+    A step computes the loss of restoring x from X_c, equation 3, and its gradients, and updates the
+    weights; if the loss is not finite, no weight is changed. x are clean windows or, when one layer
+    is trained, what the layers below it make of them. The paper unpools at random while one layer
+    is trained, and evenly while all are.
+    """
+    of_layers = ((f"layer {n + 1}", n, schedule.layer) for n in range(len(model.layers)))
+    stages = (*of_layers, ("fine tuning", None, schedule.fine_tuning))
+    for name, number, stage in [each for each in stages if each[-1].epochs][state.stage :]:
         layer = None if number is None else model.layers[number]
         x = hidden_below(model, windows, number) if number else windows
         for step, rate in state.steps_of(name, stage, (layer or model).parameters, len(x)):
             if step == 0:
                 state.order = state.rng.permutation(len(x))
             batch = x[state.order[step * stage.batch : (step + 1) * stage.batch]]
-            drawn = drawn_inputs(batch, layer, stage, state.rng)
-            loss = denoising_step(model, batch, *drawn, stage, rate, state.optimiser, number)
+            corrupted = corrupted_copy(batch, stage, state.rng)
+            first = None if layer is None else [unpooling_mask(batch, layer.b.size, state.rng)]
+            loss, of_layers = model.loss_and_gradients(batch, corrupted, stage.alpha, first, number)
+            if np.isfinite(loss):
+                # dw1, db1, dw2, db2, …: the order of `model.parameters`, and of `layer.parameters`.
+                gradients = [gradient for of_layer in of_layers for gradient in of_layer]
+                if stage.norm is not None:
+                    clip_norm(gradients, stage.norm)
+                state.optimiser.update(gradients, rate)
             state.end_step(loss, batch, rate)
             yield
 

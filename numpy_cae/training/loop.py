@@ -1,15 +1,31 @@
-"""The loop of epochs and batches, where a training stands in it, and what it has measured."""
+"""The loop of epochs and batches, where a training stands in it, and what it has measured; and the
+file of this state, from which an interrupted run continues.
 
+The state is everything that the rest of the training depends on: weights, optimiser, random
+numbers, the order of the epoch's examples and the position in it. A resumed run is therefore
+bit-identical to one that was not interrupted.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.errors import NumpyCaeError
+from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays
+from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.models.sequential_autoencoder import Weights
-from numpy_cae.training.optimisers import Adam, Sgd
-from numpy_cae.training.schedule import SequenceSchedule, Stage, rate_at
+from numpy_cae.training.optimisers import Adam, Sgd, rate_at
+from numpy_cae.training.schedule import SequenceSchedule, Stage
+
+FORMAT = "numpy_cae checkpoint 5"
+POSITION = ("stage", "epoch", "step", "total")
+"""POSITION: the numbers of a `TrainingState` that say where a training stands."""
 
 HELD_OUT = "held-out error, cm"
 """HELD_OUT: the name in a history of the errors on takes that are not trained on, by epoch."""
@@ -75,8 +91,7 @@ class TrainingState:
     steps: int = 0  # steps in an epoch
     examples: int = 0  # examples in an epoch
     loss: float = float("nan")  # loss of the last step
-    save: Callable[["TrainingState"], None] = lambda state: None  # to the checkpoint, when due
-    saved: Callable[[], str] = lambda: "there is no checkpoint"  # where the last good state is
+    checkpoint: Checkpoint | None = None
     started: float = 0.0  # when the stage would have started without an interruption
 
     def steps_of(
@@ -102,7 +117,8 @@ class TrainingState:
         for epoch in range(self.epoch, stage.epochs):
             for step in range(self.step, self.steps):
                 yield step, rate_at(stage, epoch, step, self.steps)
-                self.save(self)
+                if self.checkpoint is not None:
+                    self.checkpoint.save_when_due(self)
         self.stage += 1
         self.epoch = 0
 
@@ -130,12 +146,118 @@ class TrainingState:
             return
         parts = [*nonfinite({"the input": x} | self.weights), f"the output of {self.name}"]
         where = f"{self.name}, epoch {self.epoch + 1}, step {self.step + 1}"
+        saved = self.checkpoint.status() if self.checkpoint else "there is no checkpoint"
         raise DivergedError(
             f"{where}: the loss is {loss:.4g} at rate {rate:.4g}; not finite: {parts[0]}; "
-            f"{self.saved()}; {ADVICE}"
+            f"{saved}; {ADVICE}"
         )
 
 
 def nonfinite(arrays: dict[str, np.ndarray]) -> list[str]:
     """The names of the arrays that hold a number that is not finite."""
     return [name for name, array in arrays.items() if not np.isfinite(array).all()]
+
+
+class CheckpointError(NumpyCaeError, ValueError):
+    """A checkpoint that cannot be continued from, or cannot be written."""
+
+
+class Checkpoint:
+    """The file of one run: the state after every epoch, and within one every `seconds` seconds.
+
+    Without `resume` an existing file is an error, since it may be hours of training.
+
+    Examples
+    --------
+    >>> checkpoint = Checkpoint("model.checkpoint.npz", seconds=60)
+    >>> checkpoint.status()  # train_autoencoder(model, windows, checkpoint=checkpoint)
+    'no state has been saved yet'
+    """
+
+    def __init__(self, path: str | Path, seconds: float = 60.0, resume: bool = False):
+        self.path = Path(path)
+        self.seconds = seconds
+        self.resume = resume
+        self.run = ""
+        self.position = ""
+        self.last = time.monotonic()
+
+    def load_into(self, state: TrainingState, data: np.ndarray, *settings: object) -> None:
+        """Continue from the file if there is one; the data, the settings, the weights and the
+        generator identify the run.
+
+        Raises CheckpointError if the file is of another run or damaged.
+        """
+        state.checkpoint = self
+        digest = hashlib.blake2b(digest_size=16)
+        digest.update(repr((*settings, state.rng.bit_generator.state)).encode())
+        for array in (*state.weights.values(), data):
+            digest.update(repr((array.shape, array.dtype)).encode())
+            digest.update(np.ascontiguousarray(array).data)
+        self.run = digest.hexdigest()
+        self.require_none_unless_resumed()
+        if not self.path.exists():
+            return
+
+        try:
+            arrays = load_arrays(self.path, [FORMAT])
+        except ModelFileError as error:
+            advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
+            raise CheckpointError(f"{error}; {advice}") from None
+        about = json.loads(str(arrays["about"]))
+        if about["run"] != self.run:
+            other = "is of a run with other motions, settings or seed"
+            raise CheckpointError(f"{self.path}: {other}; give the same again or remove the file")
+        for name in POSITION:
+            setattr(state, name, about[name])
+        state.history = History(about["losses"], about["seconds"])
+        state.rng.bit_generator.state = about["rng"]
+        state.order = arrays["order"]
+        # The stage does not have its optimiser yet: `steps_of` restores that.
+        state.restored = {name.removeprefix("array "): array for name, array in arrays.items()}
+        for name, weight in state.weights.items():
+            weight[...] = state.restored[name]
+
+    def require_none_unless_resumed(self) -> None:
+        """Raise CheckpointError if there is a file and `resume` is False."""
+        if self.path.exists() and not self.resume:
+            advice = "continue it (--resume) or remove the file"
+            raise CheckpointError(f"{self.path}: is of a run that was interrupted; {advice}")
+
+    def save_when_due(self, state: TrainingState) -> None:
+        """Save at the end of an epoch, or if the last save is old; never weights that are not
+        finite."""
+        due = state.step == 0 or time.monotonic() - self.last >= self.seconds
+        if due and all(np.isfinite(array).all() for array in state.weights.values()):
+            self.save(state)
+
+    def save(self, state: TrainingState) -> None:
+        """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
+        about = {name: getattr(state, name) for name in POSITION}
+        about |= {"losses": state.history.losses, "seconds": state.history.seconds}
+        about |= {"run": self.run, "rng": state.rng.bit_generator.state}
+        words = {"format": np.array(FORMAT), "about": np.array(json.dumps(about))}
+        arrays = {f"array {name}": a for name, a in (state.weights | state.optimiser.state).items()}
+        arrays |= words | {"order": state.order}
+        # Until the save succeeds, it is unknown whether the old or the new state is in the file.
+        before = self.position
+        self.position = ""
+        try:
+            save_arrays(arrays, self.path, compressed=False)
+        except FileError as error:
+            self.position = before
+            advice = "Correct that and continue with --resume"
+            raise CheckpointError(f"{error}; {self.status()}. {advice}") from error
+        done = f"{state.epoch} epochs and {state.step} steps done"
+        self.position = f" ({state.name}, {done})"
+        self.last = time.monotonic()
+
+    def remove(self) -> None:
+        """Remove the file: the training has ended and its model is saved."""
+        self.path.unlink(missing_ok=True)
+
+    def status(self) -> str:
+        """Where the last good state is, for a message."""
+        if not self.path.exists():
+            return "no state has been saved yet"
+        return f"the last good state is in {self.path}{self.position}"

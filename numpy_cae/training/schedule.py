@@ -1,15 +1,7 @@
 """How long and how fast to train; the defaults are those of holden2015, section 6."""
 
-import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
-
-WARM_UP = 0.3
-"""In this share of a one-cycle schedule the rate rises; then it falls."""
-FIRST = 1 / 25
-"""A one-cycle schedule starts at this share of its peak rate."""
-LAST = 1e-5
-"""A one-cycle schedule ends at this share of its peak rate."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,23 +49,14 @@ class Schedule:
 
     Examples
     --------
-    >>> [(name, stage.rate) for name, _, stage in Schedule().stages(layers=2)]
-    [('layer 1', 0.5), ('layer 2', 0.5), ('fine tuning', 0.01)]
+    >>> Schedule().layer.rate, Schedule().fine_tuning.rate
+    (0.5, 0.01)
     """
 
     layer: Stage = field(default_factory=Stage)
     fine_tuning: Stage = field(default_factory=lambda: Stage(rate=0.01, alpha=0.0))
     initial: Literal["random", "passing"] = "random"
     rms: float = 0.25
-
-    def stages(self, layers: int) -> list[tuple[str, int | None, Stage]]:
-        """(name, index of the layer or None for the whole stack, stage) of each stage in turn.
-
-        A stage of 0 epochs is left out.
-        """
-        of_layers = ((f"layer {n + 1}", n, self.layer) for n in range(layers))
-        stages = (*of_layers, ("fine tuning", None, self.fine_tuning))
-        return [(name, layer, stage) for name, layer, stage in stages if stage.epochs]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,68 +145,3 @@ def recipe(name: str) -> Schedule:
     if name not in RECIPES:
         raise ValueError(f"there is no recipe {name!r}, expected one of {', '.join(RECIPES)}")
     return RECIPES[name]
-
-
-def decayed_rate(initial: float, decay: float, epoch: int) -> float:
-    """η_e = η_0 · decay^e: the learning rate of an epoch in holden2015, section 6.
-
-    "initially set to the value of 0.5 and slowly decayed by a factor of 0.9 at each epoch"
-
-    Parameters
-    ----------
-    initial, decay : float
-        η_0 and the factor.
-    epoch : int
-        e, counted from 0.
-
-    Returns
-    -------
-    rate : float
-
-    Examples
-    --------
-    >>> [round(decayed_rate(0.5, 0.9, epoch), 3) for epoch in (0, 1, 24)]
-    [0.5, 0.45, 0.04]
-    """
-    return initial * decay**epoch
-
-
-def one_cycle(peak: float, share: float) -> float:
-    """The learning rate at a point of the training: half a cosine up, then half a cosine down.
-
-    The rate starts at peak / 25, reaches the peak after 30% of the steps and ends near 0. The small
-    rates at the start let Adam's estimates settle, those at the end let the weights settle.
-
-    Parameters
-    ----------
-    peak : float
-    share : float
-        The steps done, as a share (0 to 1) of all steps.
-
-    Returns
-    -------
-    rate : float
-
-    References
-    ----------
-    Smith and Topin, "Super-convergence", 2018, with the cosines of PyTorch's OneCycleLR.
-
-    Examples
-    --------
-    >>> [round(one_cycle(1.0, share), 3) for share in (0, 0.15, 0.3, 0.65, 1)]
-    [0.04, 0.52, 1.0, 0.5, 0.0]
-    """
-    if share < WARM_UP:
-        return peak * _half_cosine(FIRST, 1.0, share / WARM_UP)
-    return peak * _half_cosine(1.0, LAST, (share - WARM_UP) / (1 - WARM_UP))
-
-
-def _half_cosine(start: float, end: float, share: float) -> float:
-    return end + (start - end) * (1 + math.cos(math.pi * share)) / 2
-
-
-def rate_at(stage: Stage | SequenceSchedule, epoch: int, step: int, steps: int) -> float:
-    """The learning rate of a step; epochs and the `steps` steps of each count from 0."""
-    if stage.rate_schedule == "one-cycle":
-        return one_cycle(stage.rate, (epoch * steps + step) / (stage.epochs * steps))
-    return decayed_rate(stage.rate, stage.decay, epoch)

@@ -6,10 +6,9 @@ from copy import deepcopy
 import numpy as np
 
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.training.checkpoint import Checkpoint, fingerprint
-from numpy_cae.training.loop import History, TrainingState
+from numpy_cae.training.loop import Checkpoint, History, TrainingState
+from numpy_cae.training.optimisers import clip_norm
 from numpy_cae.training.schedule import SequenceSchedule
-from numpy_cae.training.step import sequence_step
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]
 """Takes a generator and a number B, and returns B clips (B, T, features), others at each call."""
@@ -62,8 +61,7 @@ def train_sequential(
     state = TrainingState(model.weights, np.random.default_rng(rng))
     if checkpoint is not None:
         # A copy draws, so that a run with a checkpoint draws the same as one without.
-        data = [*model.weights.values(), draw(deepcopy(state.rng), schedule.batch)]
-        checkpoint.load_into(state, fingerprint(data, schedule, state.rng.bit_generator.state))
+        checkpoint.load_into(state, draw(deepcopy(state.rng), schedule.batch), schedule)
     for _ in sequential_steps(model, draw, schedule, state):
         if report is not None:
             report(state)
@@ -73,13 +71,48 @@ def train_sequential(
 def sequential_steps(
     model: SequentialAutoencoder, draw: Draw, schedule: SequenceSchedule, state: TrainingState
 ) -> Iterator[None]:
-    """Train from `state` on, and yield after every step: the loop of `train_sequential`."""
+    """Train from `state` on, and yield after every step: the loop of `train_sequential`.
+
+    A step draws clips, points of the prior and directions, computes the loss and its gradients, and
+    updates the weights; if the loss is not finite, no weight is changed.
+    """
     clips_an_epoch = schedule.steps * schedule.batch
     terms = state.history.losses
     for _, rate in state.steps_of("sequences", schedule, model.weights, clips_an_epoch):
         clips = draw(state.rng, schedule.batch)
-        losses = sequence_step(model, clips, schedule, rate, state.rng, state.optimiser)
+        prior = state.rng.standard_normal((len(clips), model.latent)).astype(clips.dtype)
+        directions = unit_directions(schedule.directions, model.latent, state.rng, clips.dtype)
+        losses, gradients = model.loss_and_gradients(clips, prior, directions, schedule.weight)
+        if np.isfinite(losses.total):
+            clip_norm(list(gradients.values()), schedule.norm)
+            state.optimiser.update(gradients.values(), rate)
         terms.setdefault("reconstruction", []).append(losses.reconstruction)
         terms.setdefault("discrepancy", []).append(losses.discrepancy)
         state.end_step(losses.total, clips, rate)
         yield
+
+
+def unit_directions(
+    count: int, dimensions: int, rng: np.random.Generator, dtype: np.dtype | type = np.float32
+) -> np.ndarray:
+    """Random directions, uniformly distributed: those of vectors of independent normal numbers.
+
+    Parameters
+    ----------
+    count, dimensions : int
+    rng : numpy.random.Generator
+    dtype : float32 or float64
+
+    Returns
+    -------
+    directions : (count, dimensions) array
+        Rows of length 1.
+
+    Examples
+    --------
+    >>> directions = unit_directions(4, 3, np.random.default_rng(0))
+    >>> np.linalg.norm(directions, axis=1).round(5)
+    array([1., 1., 1., 1.], dtype=float32)
+    """
+    drawn = rng.standard_normal((count, dimensions))
+    return (drawn / np.linalg.norm(drawn, axis=1, keepdims=True)).astype(dtype)

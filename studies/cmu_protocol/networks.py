@@ -13,10 +13,7 @@ import numpy as np
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.complete import project_shifted
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training import Stage
-from numpy_cae.training.optimisers import Adam
-from numpy_cae.training.schedule import rate_at
-from numpy_cae.training.step import denoising_step
+from numpy_cae.training.optimisers import Adam, clip_norm, one_cycle
 from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, add_residual, gaussian_process
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
@@ -33,9 +30,9 @@ FILTERS = (128,)
 TAPS = 15
 WINDOW = 32
 STEPS = 500
-STAGE = Stage(
-    epochs=1, rate=2e-3, alpha=0.0, norm=0.05, optimiser="adam", rate_schedule="one-cycle"
-)
+RATE = 2e-3
+NORM = 0.05
+"""RATE, NORM: the peak of the learning rate, and the bound on the gradient's norm."""
 
 Draw = Callable[[np.random.Generator], tuple[np.ndarray, np.ndarray]]
 """Random numbers to a batch of true windows and the corrupted windows."""
@@ -82,9 +79,10 @@ def trained(draw: Draw, seed: int) -> Project:
     rng = np.random.default_rng(seed)
     network = accelerate(ConvAutoencoder(59, FILTERS, TAPS, rng=rng), 1)
     optimiser = Adam(network.parameters)
-    for rate in (rate_at(STAGE, 0, step, STEPS) for step in range(STEPS)):
-        x, corrupted = draw(rng)
-        denoising_step(network, x, corrupted, None, STAGE, rate, optimiser)
+    for step in range(STEPS):
+        _, [gradients] = network.loss_and_gradients(*draw(rng))
+        clip_norm(gradients, NORM)
+        optimiser.update(gradients, one_cycle(RATE, step / STEPS))
 
     def project(take: np.ndarray) -> np.ndarray:
         padded = _padded(take, WINDOW)

@@ -6,8 +6,13 @@ import pytest
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.motion import JOINTS
 from numpy_cae.training import Stage
-from numpy_cae.training.corruption import MAX_STRETCH_FRAMES, _damage, damage_stretches
-from numpy_cae.training.step import corrupted_copy
+from numpy_cae.training.corruption import (
+    MAX_STRETCH_FRAMES,
+    _damage,
+    corrupted_copy,
+    damage_stretches,
+    unpooling_mask,
+)
 
 X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
 
@@ -110,6 +115,12 @@ def test_a_share_p_is_zeroed_and_the_others_are_kept_or_divided_by_1_minus_p(zer
         factor = 1 / (1 - share) if stage.rescaled else 1.0
         assert np.ptp(window[kept], axis=0) < 1e-5 if kept.any() else share == 1
         np.testing.assert_allclose(window[kept], factor, rtol=0.15 if stage.rescaled else 1e-6)
+
+
+def test_a_mask_is_as_often_true_as_false():
+    mask = unpooling_mask(np.ones((10, 400, 3)), 20, np.random.default_rng(0))
+    assert mask.shape == (10, 200, 20) and mask.dtype == bool
+    assert mask.mean() == pytest.approx(0.5, abs=0.02)
 
 
 @pytest.mark.parametrize("p", [1.5, (1.2, 1.5)])

@@ -13,10 +13,9 @@ from numpy_cae.training import (
     DivergedError,
     ProgressPrinter,
     TrainingState,
-    layerwise,
     optimisers,
     progress,
-    step,
+    sequential,
 )
 from numpy_cae.training.layerwise import train_autoencoder
 from numpy_cae.training.schedule import RECIPES, Schedule, SequenceSchedule, Stage, recipe
@@ -161,12 +160,12 @@ def test_clips_prior_and_directions_are_drawn_anew_at_every_step(seen):
 
 def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
     """The gradients of the last update, all of them together, are clipped before they descend."""
-    clipped, used, clip_norm = [], [], step.clip_norm
+    clipped, used, clip_norm = [], [], sequential.clip_norm
 
     def update(self, gradients, rate):
         used.append(np.sqrt(sum(float(np.sum(each**2)) for each in gradients)))
 
-    monkeypatch.setattr(step, "clip_norm", lambda *of: clipped.append(clip_norm(*of)))
+    monkeypatch.setattr(sequential, "clip_norm", lambda *of: clipped.append(clip_norm(*of)))
     monkeypatch.setattr(optimisers.Sgd, "update", update)
     trained(sequence(norm=0.05, epochs=1))
     assert max(clipped) > 0.05  # or there was nothing to clip
@@ -212,12 +211,13 @@ def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
 
 def test_an_epoch_shows_every_window_once_in_a_new_order_and_has_their_mean_loss(monkeypatch):
     """Batches of 3, 3, 3 and 1: the small one counts for its window and no more."""
-    shown = []
-    number = lambda model, x, *more: shown.append(x[:, 0, 0]) or float(len(shown))  # noqa: E731
-    monkeypatch.setattr(layerwise, "denoising_step", number)
+    schedule, shown = Schedule(Stage(epochs=2, batch=3), NO_EPOCH), []
+    model = new_model(schedule, (4,))
+    still = [[np.zeros_like(array) for array in model.parameters.values()]]
+    number = lambda x, *more: shown.append(x[:, 0, 0]) or (float(len(shown)), still)  # noqa: E731
+    monkeypatch.setattr(model, "loss_and_gradients", number)
     windows = np.arange(10, dtype=np.float32)[:, None, None] * np.ones((1, 8, 5), np.float32)
-    schedule = Schedule(Stage(epochs=2, batch=3), NO_EPOCH)
-    _, losses = trained(schedule, lambda *_: windows, model=new_model(schedule, (4,)))
+    _, losses = trained(schedule, lambda *_: windows, model=model)
     first, second = shown[:4], shown[4:]
     assert [len(batch) for batch in first] == [3, 3, 3, 1]
     assert sorted(np.concatenate(first)) == list(range(10))
@@ -228,11 +228,11 @@ def test_an_epoch_shows_every_window_once_in_a_new_order_and_has_their_mean_loss
 
 def test_a_batch_steps_along_the_mean_of_its_gradients():
     """Two windows in one step move the weights by the mean of what each would do."""
-    moved, stage = [], Stage(alpha=0.0, zeroed=0.0)
+    moved, stage = [], Stage(epochs=1, rate=0.1, batch=2, alpha=0.0, zeroed=0.0)
     for chosen in ([0], [1], [0, 1]):
-        model, x = new_model(Schedule()), WINDOWS[chosen]
+        model = new_model(Schedule())
         before = model.layers[0].w.copy()
-        step.denoising_step(model, x, x, None, stage, 0.1, optimisers.Sgd(model.parameters))
+        train_autoencoder(model, WINDOWS[chosen], Schedule(NO_EPOCH, stage))
         moved.append(model.layers[0].w - before)
     np.testing.assert_allclose(moved[2], (moved[0] + moved[1]) / 2, rtol=1e-4, atol=1e-7)
 

@@ -3,19 +3,8 @@
 import numpy as np
 import pytest
 
-from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
-from numpy_cae.training import step as module
-from numpy_cae.training.schedule import one_cycle, rate_at
-
-
-def test_only_a_layer_by_itself_is_unpooled_at_random_with_probability_one_half():
-    x, rng = np.ones((10, 400, 3)), np.random.default_rng(0)
-    layer = ConvAutoencoder(3, filters=(20,), taps=3).layers[0]
-    assert module.drawn_inputs(x, None, Stage(), rng)[1] is None
-    [mask] = module.drawn_inputs(x, layer, Stage(), rng)[1]
-    assert mask.shape == (10, 200, 20) and mask.dtype == bool
-    assert mask.mean() == pytest.approx(0.5, abs=0.02)
+from numpy_cae.training.optimisers import one_cycle, rate_at
 
 
 def test_directions_have_length_one_and_no_preferred_direction():
