@@ -85,8 +85,8 @@ def autoencoder_steps(
     is trained, what the layers below it make of them. The paper unpools at random while one layer
     is trained, and evenly while all are.
     """
-    of_layers = ((f"layer {n + 1}", n, schedule.layer) for n in range(len(model.layers)))
-    stages = (*of_layers, ("fine tuning", None, schedule.fine_tuning))
+    by_layer = ((f"layer {n + 1}", n, schedule.layer) for n in range(len(model.layers)))
+    stages = (*by_layer, ("fine tuning", None, schedule.fine_tuning))
     for name, number, stage in [each for each in stages if each[-1].epochs][state.stage :]:
         layer = None if number is None else model.layers[number]
         x = hidden_below(model, windows, number) if number else windows
