@@ -19,9 +19,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion import JOINTS, RATE, Motion, Skeleton
 from numpy_cae.motion.contacts import FEET, foot_speeds, lower_foot, sliding_of
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import RATE, Motion, Skeleton
 from numpy_cae.motion.quaternions import inverse, product, to_vector
 from numpy_cae.repair.finding import joint_names
 

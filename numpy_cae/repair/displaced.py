@@ -23,20 +23,12 @@ from typing import Any
 
 import numpy as np
 
+from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.contacts import floor_height
 from numpy_cae.motion.hole_curves import rejoined
-from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import angle, inverse, product
-from numpy_cae.repair.curves import (
-    Curve,
-    Segment,
-    body_size,
-    curves_of,
-    least_jump,
-    local_median,
-    usual_toes,
-)
+from numpy_cae.repair import curves
+from numpy_cae.repair.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
 from numpy_cae.repair.finding import Finding, confidence
 from numpy_cae.repair.interpolated import interpolate_channels
 from numpy_cae.repair.spikes import carried, longest_spike
@@ -293,7 +285,7 @@ def _leaves_floor(motion: Motion, curve: Curve, frames: slice, values: np.ndarra
     has_ends = 0 < frames.start and frames.stop < len(motion)
     if curve.spike_kind != "root elsewhere" or has_ends:
         return False
-    toes = usual_toes(motion)
+    toes = curves.usual_toes(motion)
     outside = slice(None, frames.start) if frames.start else slice(frames.stop, None)
     off = floor_height(toes[frames]) - floor_height(toes[outside])
     rise = curve.lever * float(np.mean(values[:, 1] - curve.values[frames, 1]))

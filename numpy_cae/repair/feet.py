@@ -30,12 +30,11 @@ import numpy as np
 
 from numpy_cae.mocap.retarget.body import body_positions
 from numpy_cae.mocap.retarget.to_rig import retarget
+from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.filters import butterworth, median_of
 from numpy_cae.motion.fit import bent
-from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import runs, with_margin
-from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import body_size, sliding, usual_body, usual_toes
 from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
 from numpy_cae.repair.jumps import SHARP, jump_levels

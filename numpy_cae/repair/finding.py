@@ -11,8 +11,6 @@ with "accept": true. A user may remove objects, change their joints and frames, 
 `joint` and `frames` are enough.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -22,9 +20,8 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.masks import runs
-from numpy_cae.motion.motion import Motion
 
 KINDS = (
     *("T-pose", "root elsewhere", "turned", "limb turned", "displaced", "spike", "length"),
@@ -141,7 +138,7 @@ class Finding:
         return asdict(self) | {"frames": list(self.frames)} | rounded
 
     @staticmethod
-    def from_json(entry: dict) -> Finding:
+    def from_json(entry: dict) -> "Finding":
         """The finding that an object of a file of findings describes; with "accept": true, one that
         is to be repaired whatever its status.
 

@@ -30,17 +30,11 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body, at_rate_of, body_of
 from numpy_cae.mocap.retarget.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.features import (
-    bone_lengths,
-    change_lengths,
-    features_to_positions,
-    local_positions,
-    positions_to_features,
-)
+from numpy_cae.motion import JOINTS, RATE, Motion, bone_lengths, change_lengths
+from numpy_cae.motion.features import features_to_positions, local_positions, positions_to_features
 from numpy_cae.motion.hole_curves import CURVES, Curve, CurveAt, eased, eased_everywhere, mean_curve
-from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.masks import at_thirty, run_numbers, runs
-from numpy_cae.motion.motion import RATE, Motion, blocks
+from numpy_cae.motion.motion import blocks
 from numpy_cae.repair.finding import Finding
 from numpy_cae.repair.interpolated import interpolate_channels, missing_joints, on_curves
 

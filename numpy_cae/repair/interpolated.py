@@ -13,15 +13,9 @@ import numpy as np
 
 from numpy_cae.mocap.retarget.to_rig import bones_through
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.hole_curves import (
-    EVERY,
-    CurveAt,
-    eased_everywhere,
-    over_holes,
-    rotations_over_holes,
-)
-from numpy_cae.motion.joints import JOINTS, joint_mask
-from numpy_cae.motion.motion import Motion
+from numpy_cae.motion import JOINTS, Motion, hole_curves
+from numpy_cae.motion.hole_curves import EVERY, CurveAt, eased_everywhere
+from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import IDENTITY
 from numpy_cae.repair.finding import BODY, Finding, joint_names, marked
 
@@ -148,9 +142,9 @@ def channels_on_curves(
     how = motion.rate, of_channels(motion, curve_at), frames
     changed: dict[str, Any] = {}  # an hour of translations takes 0.3 GB: no copy without need
     if turned.any():
-        changed["rotations"] = rotations_over_holes(motion.rotations, turned, *how)
+        changed["rotations"] = hole_curves.rotations_over_holes(motion.rotations, turned, *how)
     if moved.any():
-        changed["translations"] = over_holes(motion.translations, moved, *how)
+        changed["translations"] = hole_curves.over_holes(motion.translations, moved, *how)
     return replace(motion.at(frames), **changed)
 
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion import filters
+from numpy_cae.motion import JOINTS, Motion, filters
 from numpy_cae.motion.contacts import FEET
-from numpy_cae.motion.joints import JOINTS, joint_mask
+from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.masks import runs, with_margin
-from numpy_cae.motion.motion import Motion, blocks
+from numpy_cae.motion.motion import blocks
 from numpy_cae.motion.quaternions import slerp
 from numpy_cae.repair.curves import at_about_thirty, body_size, curves_of, off_cubic
 from numpy_cae.repair.finding import BODY, Finding, confidence

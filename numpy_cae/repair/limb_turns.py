@@ -30,9 +30,9 @@ from numpy_cae.manifold.fill import corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retarget.body import Body
 from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion import JOINTS, RATE, Motion
 from numpy_cae.motion.hole_curves import rotations_over_holes
-from numpy_cae.motion.joints import JOINTS, LIMBS, joint_mask
-from numpy_cae.motion.motion import RATE, Motion
+from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
 from numpy_cae.repair.curves import at_about_thirty
 from numpy_cae.repair.finding import Finding, confidence

@@ -1,7 +1,5 @@
 """What a repair changed; in a few sentences and numbers, as the page shows it first."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -9,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.motion.joints import JOINTS, PARENTS
+from numpy_cae.motion import JOINTS, PARENTS, Motion
 from numpy_cae.motion.masks import runs
-from numpy_cae.motion.motion import Motion, blocks
+from numpy_cae.motion.motion import blocks
 from numpy_cae.motion.quaternions import rotate
 from numpy_cae.repair.curves import LEAST_LEVER_METRES, sliding
 from numpy_cae.repair.finding import STATUSES, Finding, is_path
@@ -98,7 +96,7 @@ class Repaired:
             )
         return "\n".join(lines) or "nothing to repair was found"
 
-    def without_first(self, frames: int) -> Repaired:
+    def without_first(self, frames: int) -> "Repaired":
         """The repair without its first frames; findings are in the frames of the file."""
         rest = slice(frames, None)
         motion = self.motion.at(rest)

@@ -17,9 +17,8 @@ from dataclasses import replace
 import numpy as np
 
 from numpy_cae.mocap.t_pose import leading_t_pose
-from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.masks import runs
-from numpy_cae.motion.motion import Motion
 from numpy_cae.repair.curves import STILL_METRES, Curve, curves_of, usual_body
 from numpy_cae.repair.finding import BODY, Finding, confidence
 
