@@ -27,7 +27,13 @@ from numpy_cae.fast.fast_conv_autoencoder import FastConvAutoencoder
 from numpy_cae.fast.fast_sequential_autoencoder import FastSequentialAutoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 
-__all__ = ["FastConvAutoencoder", "FastSequentialAutoencoder", "accelerate", "conv1d"]
+__all__ = [
+    "FastConvAutoencoder",
+    "FastSequentialAutoencoder",
+    "accelerate",
+    "conv1d",
+    "with_engine",
+]
 
 
 def accelerate(model: Any, threads: int | None = None) -> Any:
@@ -64,3 +70,10 @@ def accelerate(model: Any, threads: int | None = None) -> Any:
     if type(model) is SequentialAutoencoder:
         return FastSequentialAutoencoder(model, threads)
     return model
+
+
+def with_engine(model: Any, engine: str) -> Any:
+    """The model, accelerated if `engine` is "fast", plain if it is "ops"."""
+    if engine not in ("fast", "ops"):
+        raise ValueError(f"engine is {engine!r}, expected 'fast' or 'ops'")
+    return accelerate(model) if engine == "fast" else model

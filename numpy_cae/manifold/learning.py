@@ -5,19 +5,17 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
+from numpy_cae import training
+from numpy_cae.fast import with_engine
 from numpy_cae.manifold.augmentation import damaged_chains, mirrored
-from numpy_cae.manifold.model_file import with_engine
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import CLIP, LENGTH, RATE, AngleSequence, cut_clips, cut_windows, draw_clips
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY, features_on_mean_skeleton
-from numpy_cae.training import Checkpoint, Schedule, SequenceSchedule, TrainingState
-from numpy_cae.training.layerwise import train_autoencoder
 from numpy_cae.training.loop import HELD_OUT
-from numpy_cae.training.sequential import train_sequential
 
-Report = Callable[[TrainingState], None]
+Report = Callable[[training.TrainingState], None]
 MAX_WINDOW_RMS = 2.0
 """MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than
 this times that of all: a person lying down among people standing would make training diverge."""
@@ -42,7 +40,7 @@ MOST_CLIPS = 4000
 
 def learn_manifold(
     takes: Sequence[np.ndarray],
-    schedule: Schedule | None = None,
+    schedule: training.Schedule | None = None,
     seed: int = 0,
     window: int = LENGTH,
     overlap: int | None = None,
@@ -50,7 +48,7 @@ def learn_manifold(
     taps: int = 15,
     bound: float = 0.9,
     report: Report | None = None,
-    checkpoint: Checkpoint | None = None,
+    checkpoint: training.Checkpoint | None = None,
     engine: str = "fast",
     mirror: bool = False,
     testing: Sequence[np.ndarray] = (),
@@ -104,7 +102,7 @@ def learn_manifold(
         raise ValueError("there are no takes to learn from")
     if mirror:
         takes = [*takes, *(mirrored(take) for take in takes)]
-    schedule = _with_chains(schedule or Schedule())
+    schedule = _with_chains(schedule or training.Schedule())
     overlap = window // 2 if overlap is None else overlap
     rng = np.random.default_rng(seed)
     network = ConvAutoencoder(
@@ -125,7 +123,7 @@ def learn_manifold(
     del features, frames
     if testing:
         report = with_error(report, manifold, testing)
-    history = train_autoencoder(network, windows, schedule, rng, report, checkpoint)
+    history = training.train_autoencoder(network, windows, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,
         "window": window,
@@ -147,7 +145,7 @@ def with_error(
     some = takes[:: -(-len(takes) // MOST_MEASURED)]
     clips = [manifold.features(take)[0][: manifold.window] for take in some]
 
-    def measured(state: TrainingState) -> None:
+    def measured(state: training.TrainingState) -> None:
         if state.step == 0 and not state.name.startswith("layer"):
             apart = [(manifold.project(clip) - clip)[:, POSITIONS].reshape(-1, 3) for clip in clips]
             error = 100 * float(np.linalg.norm(np.concatenate(apart), axis=1).mean())
@@ -158,7 +156,7 @@ def with_error(
     return measured
 
 
-def _with_chains(schedule: Schedule) -> Schedule:
+def _with_chains(schedule: training.Schedule) -> training.Schedule:
     """The schedule with the chains of joints that the damage of fine tuning needs, if any."""
     fine_tuning = schedule.fine_tuning
     if fine_tuning.chains or not fine_tuning.displacement:
@@ -168,10 +166,10 @@ def _with_chains(schedule: Schedule) -> Schedule:
 
 def learn_sequences(
     sequences: Sequence[AngleSequence],
-    schedule: SequenceSchedule | None = None,
+    schedule: training.SequenceSchedule | None = None,
     seed: int = 0,
     report: Report | None = None,
-    checkpoint: Checkpoint | None = None,
+    checkpoint: training.Checkpoint | None = None,
     **network,
 ) -> SequenceManifold:
     """Train a sequential manifold on motions of one action.
@@ -239,19 +237,19 @@ def untrained_sequences(
 def train_on_sequences(
     manifold: SequenceManifold,
     sequences: Sequence[AngleSequence],
-    schedule: SequenceSchedule | None,
+    schedule: training.SequenceSchedule | None,
     rng: np.random.Generator,
     report: Report | None = None,
-    checkpoint: Checkpoint | None = None,
+    checkpoint: training.Checkpoint | None = None,
 ) -> None:
     """Train the network of the manifold in place, on random clips of the motions."""
-    schedule = schedule or SequenceSchedule()
+    schedule = schedule or training.SequenceSchedule()
     frames = manifold.frames
 
     def draw(rng: np.random.Generator, batch: int) -> np.ndarray:
         return manifold.normalise(draw_clips(sequences, batch, rng, frames))
 
-    history = train_sequential(manifold.network, draw, schedule, rng, report, checkpoint)
+    history = training.train_sequential(manifold.network, draw, schedule, rng, report, checkpoint)
     manifold.settings = {
         "frames": frames,
         "motions": len(sequences),

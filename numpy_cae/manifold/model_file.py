@@ -3,25 +3,16 @@
 from collections.abc import Callable
 from importlib.resources import as_file, files
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
 from numpy_cae.array_file import ModelFileError, load_arrays, one_line
-from numpy_cae.fast import accelerate
+from numpy_cae.fast import with_engine
 from numpy_cae.manifold import motion_manifold, sequence_manifold
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 
 Manifold = MotionManifold | SequenceManifold
-Network = TypeVar("Network")
-
-
-def with_engine(network: Network, engine: str) -> Network:
-    """The network: accelerated by `numpy_cae.fast` if `engine` is "fast", plain if it is "ops"."""
-    if engine not in ("fast", "ops"):
-        raise ValueError(f"engine is {engine!r}, expected 'fast' or 'ops'")
-    return accelerate(network) if engine == "fast" else network
 
 
 def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
@@ -54,7 +45,7 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
         motion_manifold.FORMAT: MotionManifold.from_arrays,
         sequence_manifold.FORMAT: SequenceManifold.from_arrays,
     }
-    arrays = load_arrays(path, readers)
+    arrays = load_arrays(path, "a model that `numpy-cae train` wrote", readers)
     try:
         manifold = readers[str(arrays["format"])](arrays)
     except KeyError as error:

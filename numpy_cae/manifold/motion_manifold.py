@@ -3,14 +3,14 @@
 import json
 from dataclasses import dataclass, field, replace
 from hashlib import blake2b
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from numpy_cae import array_file
+from numpy_cae.array_file import save_arrays
 from numpy_cae.manifold import complete
-from numpy_cae.models import ConvAutoencoder
+from numpy_cae.manifold import model_arrays as checked
+from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
 from numpy_cae.motion.features import FEATURES, RootTransform, problem_of_lengths
 from numpy_cae.motion.windows import LENGTH
@@ -263,11 +263,8 @@ class MotionManifold:
         >>> load_manifold("model.npz").stride
         8
         """
-        array_file.save_arrays(self.arrays(half), path)
-
-    def arrays(self, half: bool = False) -> dict[str, np.ndarray]:
-        """The arrays of a model file; with `half` the weights are float16."""
-        layers = self.network.layers
+        kept = np.float16 if half else None
+        weights = {name: np.asarray(w, kept) for name, w in self.network.parameters.items()}
         arrays = {
             "format": np.array(FORMAT),
             "mean_pose": self.mean_pose,
@@ -275,50 +272,43 @@ class MotionManifold:
             "rate": np.array(self.rate),
             "joints": np.array(JOINTS),
             "lengths": self.lengths,
-            "bound": np.array(layers[0].bound),
+            "bound": np.array(self.network.layers[0].bound),
             "rescales": np.array(int(self.rescales)),
             "window": np.array(self.window),
+            "settings": np.array(json.dumps(self.settings)),
         }
-        for number, layer in enumerate(layers, start=1):
-            arrays[f"w{number}"] = layer.w
-            arrays[f"b{number}"] = layer.b
-        if half:
-            weights = [name for name in arrays if name[1:].isdigit()]
-            arrays |= {name: arrays[name].astype(np.float16) for name in weights}
-        return arrays | {"settings": np.array(json.dumps(self.settings))}
+        save_arrays(arrays | weights, path)
 
     @staticmethod
     def from_arrays(arrays: dict[str, np.ndarray]) -> "MotionManifold":
         """The manifold of a model file's arrays; ValueError or KeyError where they do not fit."""
         if not np.array_equal(arrays["joints"], JOINTS):
             raise ValueError("its twenty joints are not those of this version")
+        lengths = checked.numbers(arrays, "lengths", (len(JOINTS),), 0.0, checked.MAX_LENGTH)
+        if problem := problem_of_lengths(lengths):
+            raise ValueError(f"lengths: {problem}")
+        bound = float(checked.numbers(arrays, "bound", (), checked.SMALLEST, 1 - checked.SMALLEST))
+        network = ConvAutoencoder(filters=(), bound=bound)
         # Filters w and biases b of each layer; where one array is missing, this raises KeyError.
         count = -(-sum(name[0] in "wb" and name[1:].isdigit() for name in arrays) // 2)
         taps = len(arrays["w1"])
-        filters = [arrays[f"b{n}"].size for n in range(1, count + 1)]
-        # Before a network of these sizes is made:
-        for number, (below, above) in enumerate(pairwise((FEATURES, *filters)), start=1):
-            array_file.numbers(arrays, f"w{number}", (taps, below, above))
-            array_file.numbers(arrays, f"b{number}", (above,))
-        lengths = array_file.numbers(arrays, "lengths", (len(JOINTS),), 0.0, array_file.MAX_LENGTH)
-        if problem := problem_of_lengths(lengths):
-            raise ValueError(f"lengths: {problem}")
-        least = array_file.SMALLEST
-        bound = array_file.numbers(arrays, "bound", (), least, 1 - least)
-        network = ConvAutoencoder(FEATURES, filters, taps, float(bound))
+        channels = FEATURES
         # The weights of the starter model are float16, to save space.
         dtype = np.promote_types(arrays["w1"].dtype, np.float32)
-        for number, layer in enumerate(network.layers, start=1):
-            layer.w, layer.b = (arrays[f"{name}{number}"].astype(dtype) for name in "wb")
+        for layer in range(1, count + 1):
+            w = checked.numbers(arrays, f"w{layer}", (taps, channels, arrays[f"b{layer}"].size))
+            channels = w.shape[2]
+            b = checked.numbers(arrays, f"b{layer}", (channels,))
+            network.layers.append(ConvLayer(w.astype(dtype), b.astype(dtype), bound))
         return MotionManifold(
             network,
-            array_file.numbers(arrays, "mean_pose", (FEATURES,)),
-            array_file.numbers(arrays, "scale", (FEATURES,), array_file.SMALLEST),
+            checked.numbers(arrays, "mean_pose", (FEATURES,)),
+            checked.numbers(arrays, "scale", (FEATURES,), checked.SMALLEST),
             lengths,
-            float(array_file.numbers(arrays, "rate", (), 1.0, array_file.MAX_RATE)),
-            array_file.json_object(arrays, "settings"),
-            bool(array_file.integer(arrays, "rescales", 0, 1)),
-            array_file.integer(arrays, "window", 1, array_file.MAX_FRAMES),
+            float(checked.numbers(arrays, "rate", (), 1.0, checked.MAX_RATE)),
+            checked.json_object(arrays, "settings"),
+            bool(checked.integer(arrays, "rescales", 0, 1)),
+            checked.integer(arrays, "window", 1, checked.MAX_FRAMES),
         )
 
     def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:

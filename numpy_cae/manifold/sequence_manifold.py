@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae import array_file
-from numpy_cae.models import SequentialAutoencoder
+from numpy_cae.array_file import save_arrays
+from numpy_cae.manifold import model_arrays as checked
+from numpy_cae.models.sequential_autoencoder import SequentialAutoencoder, weight_shapes
 from numpy_cae.motion import CLIP, Motion, angles
 
 FORMAT = "numpy_cae sequential manifold 4"
@@ -84,11 +85,7 @@ class SequenceManifold:
 
         Raises FileError if the file cannot be written.
         """
-        array_file.save_arrays(self.arrays(), path)
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The arrays of a model file."""
-        return {
+        arrays = {
             "format": np.array(FORMAT),
             "table": np.array(self.table.name),
             "columns": np.array(self.table.columns),
@@ -98,9 +95,9 @@ class SequenceManifold:
             "rate": np.array(self.rate),
             "frames": np.array(self.frames),
             "burn_in": np.array(self.network.burn_in),
-            **self.network.weights,
             "settings": np.array(json.dumps(self.settings)),
         }
+        save_arrays(arrays | self.network.weights, path)
 
     @staticmethod
     def from_arrays(arrays: dict[str, np.ndarray]) -> "SequenceManifold":
@@ -108,29 +105,22 @@ class SequenceManifold:
         table = angles.TABLES.get(str(arrays["table"]))
         if table is None or not np.array_equal(arrays["columns"], table.columns):
             raise ValueError("its table of columns is not one of this version")
-        latent, hidden = arrays["state_w"].shape
         columns = len(table.columns)
-        if hidden**2 > sum(array.size for array in arrays.values()):
-            raise ValueError("its weights are fewer than the width of state_w requires")
-        network = SequentialAutoencoder(columns, hidden, latent)
-        network.burn_in = array_file.integer(arrays, "burn_in", 0, array_file.MAX_FRAMES)
-        for name, weight in network.weights.items():
-            weight[...] = array_file.numbers(arrays, name, weight.shape)
+        latent, hidden = arrays["state_w"].shape
+        network = SequentialAutoencoder(columns, hidden=1, latent=1)
+        network.burn_in = checked.integer(arrays, "burn_in", 0, checked.MAX_FRAMES)
+        for name, shape in weight_shapes(columns, hidden, latent).items():
+            network.weights[name] = checked.numbers(arrays, name, shape).astype(np.float32)
+        bones = len(table.joints), 3
         return SequenceManifold(
             network,
-            array_file.numbers(arrays, "mean", (columns,)),
-            array_file.numbers(arrays, "deviation", (columns,), array_file.SMALLEST),
+            checked.numbers(arrays, "mean", (columns,)),
+            checked.numbers(arrays, "deviation", (columns,), checked.SMALLEST),
             table,
-            array_file.numbers(
-                arrays,
-                "offsets",
-                (len(table.joints), 3),
-                -array_file.MAX_LENGTH,
-                array_file.MAX_LENGTH,
-            ),
-            array_file.json_object(arrays, "settings"),
-            float(array_file.numbers(arrays, "rate", (), 1.0, array_file.MAX_RATE)),
-            array_file.integer(arrays, "frames", 1, array_file.MAX_FRAMES),
+            checked.numbers(arrays, "offsets", bones, -checked.MAX_LENGTH, checked.MAX_LENGTH),
+            checked.json_object(arrays, "settings"),
+            float(checked.numbers(arrays, "rate", (), 1.0, checked.MAX_RATE)),
+            checked.integer(arrays, "frames", 1, checked.MAX_FRAMES),
         )
 
 

@@ -200,7 +200,7 @@ class Checkpoint:
             return
 
         try:
-            arrays = load_arrays(self.path, [FORMAT])
+            arrays = load_arrays(self.path, "a checkpoint", [FORMAT])
         except ModelFileError as error:
             advice = "it is not a checkpoint of this version, or damaged: remove it to start again"
             raise CheckpointError(f"{error}; {advice}") from None

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.array_file import read_arrays
+from numpy_cae.array_file import load_arrays
 from numpy_cae.mocap.formats.amc import amc_values
 
 GROUPS = {"leg": list(range(7, 14)), "body": list(range(20, 50))}
@@ -113,7 +113,7 @@ def read_protocol(folders: Sequence[str | Path]) -> Protocol:
 
 
 def _read_table(path: Path) -> dict[int, np.ndarray]:
-    arrays = read_arrays(path, "the protocol's table")
+    arrays = load_arrays(path, "the protocol's table")
     names = {n: f"train_35_{n:02d}" for n in TRAINING} | {TEST: f"test_35_{TEST}"}
     if missing := [name for name in names.values() if name not in arrays]:
         raise ValueError(f"{path}: not the protocol's table: it has no {', '.join(missing)}")

@@ -121,7 +121,7 @@ def test_an_array_that_is_missing_or_not_finite_is_an_error(models, kind, file):
         ("sequence", "deviation", np.zeros(54), "not from 1e-06"),
         ("sequence", "table", "another", "not one of this version"),
         ("sequence", "state_w", np.zeros(3), "unpack"),
-        ("sequence", "state_w", np.zeros((0, 10**6)), "weights are fewer"),
+        ("sequence", "state_w", np.zeros((0, 10**6)), "encoder_w has shape"),
         ("sequence", "frames", 10**9, "frames is not a whole number"),
     ],
 )

@@ -1,0 +1,49 @@
+"""Checks of a model's arrays, plain numbers and settings in JSON, before they are used."""
+
+import json
+from collections.abc import Mapping
+
+import numpy as np
+
+Arrays = Mapping[str, np.ndarray]
+SMALLEST = 1e-6
+"""Smallest factor and smallest deviation by which features may be divided."""
+MAX_NUMBER = 1e6
+"""Largest absolute value of a number in a model file, unless a reader states a smaller one."""
+MAX_LENGTH = 10.0
+"""Longest bone (m)."""
+MAX_RATE = 1000.0
+"""Most frames a second."""
+MAX_FRAMES = 100_000
+"""Longest window or clip that a file may state."""
+
+
+def json_object(arrays: Arrays, name: str) -> dict:
+    """The JSON object in the text array of that name; ValueError if the text is none."""
+    value = json.loads(str(arrays[name]))
+    if not isinstance(value, dict):
+        raise ValueError(f"{name} is not a JSON object")
+    return value
+
+
+def numbers(
+    arrays: Arrays, name: str, shape: tuple, least: float = -MAX_NUMBER, most: float = MAX_NUMBER
+) -> np.ndarray:
+    """The array of that name; ValueError unless it has this shape and holds floating-point numbers
+    of at most 64 bits from `least` to `most`."""
+    array = arrays[name]
+    if array.shape != shape:
+        raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
+    if array.dtype.kind != "f" or array.dtype.itemsize > 8 or not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} holds values that are not finite numbers")
+    if array.size and not least <= float(array.min()) <= float(array.max()) <= most:
+        raise ValueError(f"{name} holds values that are not from {least:g} to {most:g}")
+    return array
+
+
+def integer(arrays: Arrays, name: str, least: int, most: int) -> int:
+    """The whole number of that name; ValueError unless it is from `least` to `most`."""
+    array = arrays[name]
+    if array.shape != () or array.dtype.kind != "i" or not least <= array <= most:
+        raise ValueError(f"{name} is not a whole number from {least} to {most}")
+    return int(array)
