@@ -79,10 +79,8 @@ def download_cmu(
     downloads = pooch.create(folder, site, retry_if_failed=2)
     pooch.get_logger().setLevel("INFO" if show_progress else "WARNING")
     try:
-        for name, address in _addresses(site, subjects).items():
-            downloads.registry[name] = None
-            downloads.urls[name] = address
-        downloads.registry |= _read_checksums(folder / CHECKSUMS)
+        downloads.urls = _addresses(site, subjects)
+        downloads.registry = dict.fromkeys(downloads.urls) | _read_checksums(folder / CHECKSUMS)
         for name in downloads.urls:
             if not (folder / name).exists():
                 time.sleep(PAUSE)
@@ -91,10 +89,9 @@ def download_cmu(
     except (OSError, ValueError) as error:
         raise DownloadError(f"{site}: {error}") from None
     finally:
-        known = sorted(pair for pair in downloads.registry.items() if pair[1])
+        known = [f"{name} {each}\n" for name, each in sorted(downloads.registry.items()) if each]
         if known:
-            lines = "".join(f"{name} {checksum}\n" for name, checksum in known)
-            (folder / CHECKSUMS).write_text(lines, encoding="utf-8")
+            (folder / CHECKSUMS).write_text("".join(known), encoding="utf-8")
     return [folder / name for name in downloads.urls]
 
 

@@ -176,9 +176,9 @@ of what the first one changed (root mean squares)."""
 def completed(
     x: np.ndarray,
     known: np.ndarray,
-    start: np.ndarray,
     project: Callable[[np.ndarray, bool], np.ndarray],
-    interpolate: Interpolate,
+    interpolate: Interpolate = interpolated,
+    start: np.ndarray | None = None,
     projections: int = PROJECTIONS,
 ) -> np.ndarray:
     """The last X_n of the module's equation.
@@ -189,12 +189,12 @@ def completed(
         X; what is unknown in it is ignored, but has to be finite.
     known : array of bool
         Of the shape of x.
-    start : array of float
-        X_0.
     project : function (values, averaged) -> values
         P, averaged over all shifts or not.
     interpolate : function (values, known) -> values
         I.
+    start : array of float, optional
+        X_0; I(X) where None.
     projections : int
         N, at least 1.
 
@@ -208,7 +208,7 @@ def completed(
         missed = interpolate(np.where(known, x - projected, 0.0), known)
         return np.where(known, x, projected + missed)
 
-    completed = np.where(known, x, start)
+    completed = np.where(known, x, interpolate(x, known) if start is None else start)
     if known.all():
         return completed
     first = 0.0

@@ -107,8 +107,8 @@ def corrected(
 
     legs = np.repeat((kinds_of_holes(missing) == b"leg")[..., None], 3, axis=-1)
     known = ~np.repeat(missing[..., None], 3, axis=-1)
-    once = completed(points, known, points, project, interpolate, projections=1)
-    found = completed(once, ~legs, once, project, interpolate, AGAIN)
+    once = completed(points, known, project, interpolate, points, projections=1)
+    found = completed(once, ~legs, project, interpolate, once, AGAIN)
     points += share[..., None] * (found - points)
     return features
 

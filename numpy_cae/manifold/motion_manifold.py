@@ -121,7 +121,8 @@ class MotionManifold:
         The clip is `padded`, so a window of 160 frames has 33 hidden frames here, and 20 in the
         paper and in `compare.hidden_units`. Values are in [-1, 1].
         """
-        return self.network.encode(self._padded(features))[0]
+        x = self._rescaled(self.normalise(features)[None])
+        return self.network.encode(self.padded(x))[0]
 
     def decode(self, y: np.ndarray, frames: int) -> np.ndarray:
         """Decode what `encode` returned for a clip of `frames` frames: (frames, 63), float64."""
@@ -209,9 +210,7 @@ class MotionManifold:
             x = x.astype(self.network.layers[0].w.dtype)
             return self._project_clip(self._rescaled(x), averaged).astype(np.float64)
 
-        found = complete.completed(
-            x, known[None], complete.interpolated(x, known[None]), project, complete.interpolated
-        )[0]
+        found = complete.completed(x, known[None], project)[0]
         return np.where(known, features, self.denormalise(found))
 
     def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -222,13 +221,7 @@ class MotionManifold:
         """
         at_once = complete.WINDOWS_AT_ONCE
         parts = [slice(n, n + at_once) for n in range(0, len(x), at_once)]
-        each = ((x[part], known[part]) for part in parts)
-        done = [
-            complete.completed(
-                *one, complete.interpolated(*one), self.project_windows, complete.interpolated
-            )
-            for one in each
-        ]
+        done = [complete.completed(x[part], known[part], self.project_windows) for part in parts]
         return np.concatenate(done) if done else x
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
@@ -334,10 +327,6 @@ class MotionManifold:
                 del self._pieces[next(iter(self._pieces))]
             self._pieces[digest] = complete.project_shifted(self.network, x, average_shifts)[0]
         return self._pieces[digest]
-
-    def _padded(self, features: np.ndarray) -> np.ndarray:
-        """A clip of features (F, 63) as one normalised window, padded."""
-        return self.padded(self._rescaled(self.normalise(features)[None]))
 
     def _rescaled(self, x: np.ndarray) -> np.ndarray:
         """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""

@@ -45,7 +45,7 @@ class ConvAutoencoder:
         Draws the initial weights; by default a generator with seed 0.
     dtype : float32 (for training) or float64 (for checking gradients)
     initial : {"random", "passing"}
-        The initial weights: those of `ConvLayer.initial` or of `ConvLayer.passing`.
+        The initial weights: those of `ConvLayer.initial`, or `conv_layer.passing_filters`.
 
     Attributes
     ----------
@@ -77,9 +77,10 @@ class ConvAutoencoder:
     ):
         rng = rng or np.random.default_rng(0)
         channels = (features, *filters)
-        make = ConvLayer.passing if initial == "passing" else ConvLayer.initial
+        passing = initial == "passing"
         self.layers = [
-            make(taps, below, above, bound, rng, dtype) for below, above in pairwise(channels)
+            ConvLayer.initial(taps, below, above, bound, rng, dtype, passing)
+            for below, above in pairwise(channels)
         ]
 
     @property
