@@ -17,9 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.course.exercises.checks import arrays_in
-from numpy_cae.course.exercises.entries import NUMBERS, entries_of
-from numpy_cae.course.exercises.exercise import exercises_of
-from numpy_cae.course.exercises.lesson_12 import VERDICTS
+from numpy_cae.course.exercises.exercise import ENTRIES, MAKES, exercises_of
+from numpy_cae.course.exercises.gradient_trials import VERDICTS
 from numpy_cae.verify.operations import catalogue as operations
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.catalogue import Exercise
@@ -142,10 +141,8 @@ def diagnosis(exercise: Exercise) -> Callable[[Property, Callable], str]:
 
 
 LESSONS: dict[str, tuple[Exercise, ...]] = {
-    number: tuple(
-        with_points(each, entries_of(number)[each.name]["points"]) for each in exercises_of(number)
-    )
-    for number in NUMBERS
+    number: tuple(with_points(each, ENTRIES[each.name]["points"]) for each in exercises_of(number))
+    for number in MAKES
 }
 
 EXERCISES: dict[str, Exercise] = {

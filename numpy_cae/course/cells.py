@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
-from numpy_cae.course.exercises.entries import made_by, with_hint
+from numpy_cae.course.exercises.exercise import MAKES, with_hint
 from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.course.mine import FILE, NotSavedError, run, save, stand_in
 from numpy_cae.verify.grading.report import holds
@@ -93,12 +93,12 @@ def progress() -> None:
     with suppress(FileNotFoundError, NotSavedError, UnicodeDecodeError):
         mine = set(run(Path(FILE).read_text(encoding="utf-8"))) & set(EXERCISES)
     missing = {n: {task.name for task in tasks} - mine for n, tasks in LESSONS.items()}
-    made = [made_by(number) for number, names in missing.items() if not names]
+    made = [MAKES[number] for number, names in missing.items() if not names]
     print(f"{len(mine)} of {len(EXERCISES)} functions are yours")
     if made:
         print(f"They add up to: {', '.join(made)}.")
     if after := next((number for number, names in missing.items() if names), None):
-        print(f"Next: {made_by(after)} (lesson {after}).")
+        print(f"Next: {MAKES[after]} (lesson {after}).")
 
 
 def _unsolved(*arguments):

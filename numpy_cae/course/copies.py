@@ -116,15 +116,13 @@ def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool
     if any(folder.resolve() == path.parent.resolve() for path in lessons):
         raise ValueError(f"{folder} holds the instructor's copies: name another folder")
     sources = [*lessons, *sorted(lessons[0].parent.glob(MILESTONES))]
-    copies = {path.name: student_copy(read_notebook(path)) for path in sources}
+    texts = {path.name: as_text(student_copy(read_notebook(path))) for path in sources}
     folder.mkdir(parents=True, exist_ok=True)
-    for name, copy in copies.items():
+    for name, text in {**texts, FILE: EMPTY}.items():
         if new := not (folder / name).exists():
-            write_notebook(copy, folder / name)
+            with atomic_write(folder / name) as temporary:
+                temporary.write_text(text, encoding="utf-8")
         yield folder / name, new
-    if new := not (folder / FILE).exists():
-        (folder / FILE).write_text(EMPTY, encoding="utf-8")
-    yield folder / FILE, new
 
 
 def write_release(lessons: list[Path], path: Path) -> None:

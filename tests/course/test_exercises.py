@@ -10,7 +10,7 @@ import pytest
 from numpy_cae import course, ops
 from numpy_cae.course import mine
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
-from numpy_cae.course.exercises.entries import hints_of, with_hint
+from numpy_cae.course.exercises.exercise import hints_of, with_hint
 from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import read_patches

@@ -14,10 +14,9 @@ from numpy_cae.cli import main
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
 from numpy_cae.course.copies import PACKAGED, find_lessons, number_of, read_notebook
-from numpy_cae.course.marks.class_marks import write_feedback
+from numpy_cae.course.marks.class_marks import write_feedback, write_tables
 from numpy_cae.course.marks.handed_in import find_files, handed_in
 from numpy_cae.course.marks.roster import read_roster
-from numpy_cae.course.marks.tables import write_tables
 from numpy_cae.verify.grading.student_file import FileReport, grade
 from numpy_cae.visible import visible
 
@@ -138,7 +137,7 @@ def test_a_students_folder_is_one_student_and_zip_files_are_opened(tmp_path, mon
         packed.writestr("../../leeann_7_8_07_going_deep.py", LOOPS)
         packed.writestr("bob_7_9_work.zip", "no zip file")
         packed.writestr("__MACOSX/._x.py", "")
-    ann, bob = find_files(tmp_path / "all.zip", unpacked)
+    bob, ann = find_files(tmp_path / "all.zip", unpacked)
     assert (ann.student, bob.student) == ("leeann 7", "bob 7")
     assert "is not a zip file" in bob.fault and ann.path.parent.parent == unpacked
 

@@ -238,13 +238,9 @@ def command_of(args: argparse.Namespace, source: Path, target: Path) -> str:
         if name in NOT_REPEATED or value in (None, False, []):
             continue
         option = "--from" if name == "source" else f"--{name}"
-        each = value if isinstance(value, list) else [value]
-        if value is True:
-            words.append(option)
-        elif len(each) > 1 and name != "mapping":
-            words += [option, *each]
-        else:  # --mapping is repeated
-            words += [f"{option}={one}" for one in each]
+        each = value if isinstance(value, list) else [value] * (value is not True)
+        is_repeated = len(each) == 1 or name == "mapping"
+        words += [f"{option}={one}" for one in each] if is_repeated else [option, *each]
     return " ".join(quote(str(word)) for word in words)
 
 

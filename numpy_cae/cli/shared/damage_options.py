@@ -71,14 +71,15 @@ def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] |
 
 def _entries(path: Path) -> list:
     """The entries of a mask file."""
+    content = TextFile.read(path).data
     try:
-        entries = json.loads(TextFile.read(path).data, object_pairs_hook=_once_each)
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise MotionFileError(path, getattr(error, "lineno", None), f"not JSON: {error}") from None
-    except ValueError as error:
-        raise MotionFileError(path, None, str(error)) from None
-    if not isinstance(entries, list):
-        raise MotionFileError(path, None, f"expected a list such as {EXAMPLE}")
+        entries = json.loads(content, object_pairs_hook=_once_each)
+        if not isinstance(entries, list):
+            raise ValueError(f"expected a list such as {EXAMPLE}")
+    except (ValueError, RecursionError) as error:
+        is_text = isinstance(error, json.JSONDecodeError | RecursionError)
+        problem = f"{'not JSON: ' * is_text}{error}"
+        raise MotionFileError(path, getattr(error, "lineno", None), problem) from None
     return entries
 
 

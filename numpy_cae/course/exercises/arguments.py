@@ -9,35 +9,41 @@ taps = {size = "taps"}                         a size
 loss = {recorded = "LOSS"}                     the function of this text, which records its calls
 q = {by = "some_joint"}                        a function of (case, rng, arguments so far)
 bound = 0.9                                    a value
+
+The texts and the functions that single exercises name follow below, lesson by lesson.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Recorded
+from numpy_cae.course.solutions.lesson_02 import to_features
+from numpy_cae.course.solutions.lesson_11 import unit_rows
+from numpy_cae.course.solutions.lesson_13 import block_matrices
+from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
 from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.operation import shape_of
+from numpy_cae.verify.operations.operation import OPERATIONS, shape_of
 
 Arguments = Callable[[Case], dict[str, object]]
 
 
-def drawn(entries: Mapping[str, object], space: Mapping[str, object]) -> Arguments:
-    """Arguments in the order of the call; `space` has what the entries name."""
+def drawn(entries: Mapping[str, object]) -> Arguments:
+    """Arguments in the order of the call."""
 
     def arguments(case: Case) -> dict[str, object]:
         rng = case.rng()
         made: dict[str, object] = {}
         for name, entry in entries.items():
-            made[name] = _drawn(entry, case, rng, space, made)
+            made[name] = _drawn(entry, case, rng, made)
         return made
 
     return arguments
 
 
-def _drawn(
-    entry: object, case: Case, rng: np.random.Generator, space: Mapping, made: dict
-) -> object:
+def _drawn(entry: object, case: Case, rng: np.random.Generator, made: dict) -> object:
     match entry:
         case str(sizes):
             return spread(rng, shape_of(case, sizes))
@@ -51,12 +57,239 @@ def _drawn(
         case {"size": name}:
             return case[name]
         case {"recorded": name}:
-            return Recorded(space[name])
+            return Recorded(globals()[name])
         case {"by": name}:
-            return space[name](case, rng, made)
+            return globals()[name](case, rng, made)
     return entry
 
 
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:
     """Random entries between -bound and bound: sums of those on a grid would tie in the pooling."""
     return rng.uniform(-bound, bound, shape).round(3)
+
+
+QUARTER = "by quarters"
+
+
+def random_tree(case: Case, rng: np.random.Generator, made: dict) -> tuple[int, ...]:
+    """The parents of a random tree in which every parent precedes its children."""
+    rng = np.random.default_rng([case.seed, 2])
+    return (-1, *(int(rng.integers(0, joint)) for joint in range(1, case["joints"])))
+
+
+def some_joint(case: Case, rng: np.random.Generator, made: dict) -> int:
+    """A joint."""
+    return case.seed % case["joints"]
+
+
+def some_axes(case: Case, rng: np.random.Generator, made: dict) -> tuple[int, ...]:
+    """Different axes of rotation in any order."""
+    return tuple(int(axis) for axis in rng.permutation(3)[: case["channels"]])
+
+
+def some_angles(case: Case, rng: np.random.Generator, made: dict) -> tuple[float, ...]:
+    """An angle in degrees for each channel."""
+    return tuple(float(angle) for angle in 90 * spread(rng, (case["channels"],)))
+
+
+def rotations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """A rotation of each joint in each frame, by quarter turns about the axes or by any angle."""
+    from scipy.spatial.transform import Rotation
+
+    counts = (case["frames"], case["joints"])
+    count = int(np.prod(counts))
+    if case["turns"] == QUARTER:
+        every = Rotation.create_group("O").as_matrix().round() + 0.0
+        return every[rng.integers(len(every), size=count)].reshape(*counts, 3, 3)
+    return Rotation.from_rotvec(spread(rng, (count, 3))).as_matrix().reshape(*counts, 3, 3)
+
+
+def translations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Translations, whole numbers beside quarter turns, so that paper is enough to check them."""
+    shape = (case["frames"], case["joints"], 3)
+    whole = rng.choice([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0], shape)
+    return whole if case["turns"] == QUARTER else spread(rng, shape)
+
+
+def headings(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Angles that grow by up to 1.9 radians per frame, past whole turns."""
+    rng = case.rng()
+    return spread(rng, (1,), 3.0) + np.cumsum(spread(rng, (case["frames"],), 1.0) + 0.9)
+
+
+def lines_across(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Lines across a body with these headings."""
+    theta = headings(case, rng, made)
+    rng = np.random.default_rng([case.seed, 4])
+    width = rng.uniform(0.3, 0.8, len(theta))
+    tilt = rng.uniform(-0.2, 0.2, len(theta))
+    return np.stack([width * np.cos(theta), tilt, -width * np.sin(theta)], axis=-1)
+
+
+def feature_arguments(case: Case) -> dict[str, object]:
+    """The features of random positions, and where and facing which way they begin."""
+    positions = spread(case.rng(), (case["frames"], 20, 3))
+    features = to_features(positions, headings(case, case.rng(), {}))
+    rng = np.random.default_rng([case.seed, 5])
+    x, z, heading = (float(number) for number in rng.uniform(-2, 2, 3).round(2))
+    return {"features": features, "x": x, "z": z, "heading": heading}
+
+
+LOSS = (
+    "lambda x, corrupted, w, b: "
+    "((((w - x.mean()) ** 2).sum() + (b**2).sum()) / 2, w - x.mean(), 1.0 * b)"
+)
+"""LOSS: a loss with its gradients, as simple as it can be for `train_layer`."""
+
+
+def corrupted(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Windows with noise: zeros would tie in the pooling."""
+    return made["x"] + uniform(rng, made["x"].shape, 0.25)
+
+
+def first_frames(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Where a value is unpooled to the first frame of its pair."""
+    return rng.random((case["batch"], case["frames"] // 2, case["filters"])) < 0.5
+
+
+def generator(case: Case, rng: np.random.Generator, made: dict) -> np.random.Generator:
+    """What draws the arguments."""
+    return rng
+
+
+def random_layers(case: Case, rng: np.random.Generator, made: dict) -> list[tuple]:
+    """The filters and biases of each layer."""
+    channels = [case["channels"]] + case["layers"] * [case["filters"]]
+    return [
+        (uniform(rng, (case["taps"], below, above), 0.5), uniform(rng, (above,), 0.25))
+        for below, above in pairwise(channels)
+    ]
+
+
+def random_windows(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Windows whose frames can be pooled in every layer."""
+    frames = case["units"] * 2 ** case["layers"]
+    return uniform(rng, (case["batch"], frames, case["channels"]), 1.0)
+
+
+BLURRED = "lambda x: 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1"
+"""BLURRED: a projection, a mean of each frame and the one before it, that changes every window."""
+
+
+WITH_MEAN = "lambda x, known: np.where(known, x, np.mean(x[known]))"
+"""WITH_MEAN: an interpolation as simple as it can be."""
+
+
+def damaged_arguments(case: Case) -> dict[str, object]:
+    """Windows whose values were set to zero, and features that are zero in all frames."""
+    rng = case.rng()
+    batch, frames, channels = (case[name] for name in ("batch", "frames", "channels"))
+    x = spread(rng, (batch, frames, channels))
+    for window, channel in np.ndindex(batch, channels):
+        lost = rng.permutation(frames)[: rng.integers(1, frames)]
+        x[window, lost, channel] = 0.0
+    still = np.zeros((batch, frames, case["still"]))
+    still[1:, :, :1] = 1.0  # the first of them is still in the first window only
+    return {"x": np.concatenate([x, still], axis=2)}
+
+
+def moment_arguments(case: Case) -> dict[str, object]:
+    """The moments of correlated random inputs z and outputs x."""
+    rng = case.rng()
+    inputs = case["inputs"]
+    independent = rng.standard_normal((2 * inputs + 2, inputs))
+    z = independent @ rng.standard_normal((inputs, inputs))
+    x = z @ rng.standard_normal((inputs, case["outputs"])) + independent[:, :1]
+    return {"second": z.T @ z / len(z), "cross": z.T @ x / len(z), "kept": case["tenths"] / 10}
+
+
+def some_alike(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Which motions are alike."""
+    return rng.permutation(np.arange(case["motions"]) < case["alike"])
+
+
+def linear_pullback(case: Case, rng: np.random.Generator, made: dict) -> Recorded:
+    """The pullback of a recurrence with one matrix for each frame: dh_(t-1) = dh_t · M_t."""
+    matrices = spread(rng, (case["frames"], case["hidden"], case["hidden"]), 1.5)
+    text = f"lambda t, dh: dh @ np.array({np.round(matrices, 4).tolist()})[t - 1]"
+    return Recorded(text)
+
+
+def clip_arguments(case: Case) -> dict[str, object]:
+    """Arrays of several shapes, and a bound of so many quarters of their norm; of 0, zeros."""
+    rng = case.rng()
+    shapes = [(case["rows"], 2), (2,), (1, case["rows"])][: case["arrays"]]
+    gradients = [spread(rng, shape) * (case["quarters"] > 0) + 0.0 for shape in shapes]
+    norm = float(np.sqrt(sum(np.sum(each**2) for each in gradients)))
+    return {"gradients": gradients, "bound": case["quarters"] / 4 * norm or 1.0}
+
+
+OF_ENCODER = ("encoder_", "latent_")
+
+
+def random_weights(case: Case, rng: np.random.Generator, made: dict) -> Weights:
+    """Every weight of the network by name."""
+    shapes = weight_shapes(case["features"], case["hidden"], case["latent"])
+    return {name: uniform(rng, shape, 1.0) for name, shape in shapes.items()}
+
+
+def encoder(case: Case, rng: np.random.Generator, made: dict) -> Weights:
+    """The weights from clips to z."""
+    every = random_weights(case, rng, made)
+    return {name: weight for name, weight in every.items() if name.startswith(OF_ENCODER)}
+
+
+def decoder(case: Case, rng: np.random.Generator, made: dict) -> Weights:
+    """The weights from z to clips."""
+    every = random_weights(case, rng, made)
+    return {name: weight for name, weight in every.items() if not name.startswith(OF_ENCODER)}
+
+
+def random_directions(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+    """Unit vectors, one a row."""
+    return unit_rows(rng.uniform(-1.0, 1.0, (case["directions"], case["latent"])))
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A x with the pullback of another matrix, or of A itself if it is right."""
+
+    a: np.ndarray
+    of_pullback: np.ndarray = field(repr=False)
+
+    def __call__(self, x: np.ndarray) -> tuple[np.ndarray, Callable]:
+        return self.a @ x, lambda dy: self.of_pullback.T @ dy
+
+
+def cubic(case: Case, rng: np.random.Generator, made: dict) -> Recorded:
+    """L(x) = Σ w x³; its central difference with step h is exactly 3 w x² + w h²."""
+    w = spread(rng, (case["rows"], case["columns"]))
+    return Recorded(f"lambda x: np.sum(np.array({np.round(w, 4).tolist()}) * x**3)")
+
+
+def matrix_arguments(case: Case) -> dict[str, object]:
+    """A matrix with a wrong pullback, and arrays of two axes for which the gap is not 0."""
+    rng = case.rng()
+    a = spread(rng, (case["rows"], case["columns"]))
+    x = spread(rng, (case["columns"], 2)) + 3.0
+    y = spread(rng, (case["rows"], 2)) + 3.0
+    return {"f": Matrix(a, a + 1), "x": x, "y": y}
+
+
+def seed(case: Case, rng: np.random.Generator, made: dict) -> int:
+    """The seed of the case, from which a check draws everything."""
+    return case.seed
+
+
+MULTIPLY = "lambda a, b: a * b"
+
+
+def block_arguments(case: Case) -> dict[str, object]:
+    """The arguments of a convolution, and the matrices of its blocks."""
+    matrices = zip("agc", block_matrices(case["taps"], case["block"]), strict=True)
+    return {**OPERATIONS["conv1d"].arguments(case), **dict(matrices)}
+
+
+def some_frequency(case: Case, rng: np.random.Generator, made: dict) -> int:
+    """A frequency from 0 to half of the points."""
+    return case.seed % ((case["frames"] + case["taps"] - 1) // 2 + 1)

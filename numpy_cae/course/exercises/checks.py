@@ -1,13 +1,12 @@
-"""Checks of an exercise's function: those that only it has, and those that recur.
+"""Checks of an exercise's function that recur; `own_checks` has those of single exercises.
 
 An argument is a number, an array, a dict of arrays by name, a list of arrays, or a list of the
 pairs (w, b) of each layer.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
 from inspect import signature
 
 import numpy as np
@@ -21,9 +20,7 @@ from numpy_cae.verify.operations.case import LAYOUTS, Case
 from numpy_cae.verify.operations.property import drawn_upstream, require_equal
 from numpy_cae.verify.operations.trial import same
 
-Check = Callable[..., None]
-CHECKS: dict[tuple[str, str], Check] = {}
-"""CHECKS: the checks that only one exercise has, by the names of the exercise and the property."""
+Names = tuple[str, ...]
 
 PULLBACK = "the pullback"
 AGREES = "it agrees with central differences of the function that you wrote"
@@ -32,21 +29,7 @@ KEY = re.compile(r"\w+\['(\w+)'\]")
 """KEY: the name of an array in a dict, such as weights['w'], whose key is w."""
 
 
-def checks(exercise: str, name: str, copied: bool = True) -> Callable[[Check], Check]:
-    """Register the check that is decorated, of a property of an exercise.
-
-    The check is called with the function, the case, and the arguments of the case by name. If
-    `copied`, the function gets copies of what the check passes to it.
-    """
-
-    def registered(check: Check) -> Check:
-        CHECKS[exercise, name] = on_copies(check) if copied else check
-        return check
-
-    return registered
-
-
-def on_copies(check: Check) -> Check:
+def on_copies(check: Callable) -> Callable:
     """The check of a function that gets copies of its arguments."""
 
     def with_copies(function: Callable, case, **given: object) -> None:
@@ -126,29 +109,25 @@ class Recorded:
         return self.text
 
 
-def same_as(definition: Callable, names: tuple[str, ...] = (), part=None) -> Check:
-    """A check that a function returns what a definition returns: an array, a number or a list of
-    arrays, which has one name, or a tuple of these.
+def agrees(definition: Callable, names: Names, part: object, function, case, **given) -> None:
+    """The property that a function returns what a definition returns: an array, a number or a list
+    of arrays, which has one name, or a tuple of these.
 
     `part` says what alone is compared: the name of one of several results, or the first column of
     an array and the end of the columns.
     """
-
-    def check(function: Callable, case, **given: object) -> None:
-        returned = function(*given.values())
-        expected = definition(*map(deepcopy, given.values()))
-        if isinstance(part, str):
-            number = names.index(part)
-            returned = require_parts(returned, names)[number]
-            require_same(returned, expected[number], (part,))
-        elif part:
-            require_shape(names[0], np.asarray(returned), expected.shape)
-            columns = slice(*part)
-            require_same(np.asarray(returned)[:, columns], expected[:, columns], names)
-        else:
-            require_same(returned, expected, names)
-
-    return check
+    returned = function(*given.values())
+    expected = definition(*map(deepcopy, given.values()))
+    if isinstance(part, str):
+        number = names.index(part)
+        returned = require_parts(returned, names)[number]
+        require_same(returned, expected[number], (part,))
+    elif part:
+        require_shape(names[0], np.asarray(returned), expected.shape)
+        columns = slice(*part)
+        require_same(np.asarray(returned)[:, columns], expected[:, columns], names)
+    else:
+        require_same(returned, expected, names)
 
 
 def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
@@ -156,22 +135,20 @@ def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
 
     A TypeError says that something else is returned than it has to be.
     """
-    if not isinstance(expected, tuple):
-        returned = (returned,)
-        expected = (expected,)
-        names = names[:1] or ("the value",)
-    names = names or tuple(f"value {number}" for number in range(len(expected)))
-    require_parts(returned, names[: len(expected)])
-    for name, one, other in zip(names, returned, expected, strict=False):
-        if isinstance(other, list):
-            parts = tuple(f"{name}[{number}]" for number in range(len(other)))
-            require_same(tuple(require_parts(one, parts)), tuple(other), parts)
-            continue
-        if one is None:
-            raise TypeError(f"{name} is None: is a return missing?")
-        if np.asarray(one).dtype.kind not in "biuf":
-            raise TypeError(f"{name} is {type(one).__name__}, expected numbers")
-        require_equal(name, one, other)
+    name = next(iter(names), "the value")
+    if isinstance(expected, list | tuple):
+        if isinstance(expected, list):
+            names = tuple(f"{name}[{number}]" for number in range(len(expected)))
+        names = names or tuple(f"value {number}" for number in range(len(expected)))
+        require_parts(returned, names[: len(expected)])
+        for part, one, other in zip(names, returned, expected, strict=False):
+            require_same(one, other, (part,))
+        return
+    if returned is None:
+        raise TypeError(f"{name} is None: is a return missing?")
+    if np.asarray(returned).dtype.kind not in "biuf":
+        raise TypeError(f"{name} is {type(returned).__name__}, expected numbers")
+    require_equal(name, returned, expected)
 
 
 def require_parts(returned, names) -> tuple | list:
@@ -209,50 +186,48 @@ def numbers_in(thing: object, case: Case) -> Iterator[object]:
         yield thing
 
 
-@dataclass(frozen=True)
-class Differentiated:
-    """The checks of a function that returns a value and its derivatives.
+def gradients_agree(inputs: Names, returns: Names, only: Names, function, case, **given) -> None:
+    """The property that gradients agree with differences of the function's own value.
 
-    `returns` names the things that the function returns, the value first. The second one is
-    `PULLBACK`, or the others are the gradients of a scalar value.
+    `inputs` are the arguments that get a gradient, in the order of the gradients. `returns` names
+    the things that the function returns, the value first. The second one is `PULLBACK`, or the
+    others are the gradients of a scalar value. `only` names the arrays, none being all.
     """
 
-    inputs: tuple[str, ...]  # the arguments that get a gradient, in the order of the gradients
-    returns: tuple[str, ...]
+    def f(*values):
+        changed = dict(zip(inputs, values, strict=True))
+        value, *others = _called(function, given | changed, returns)
+        value = value if np.ndim(value) else np.float64(value)
 
-    def gradient(self, only: Sequence[str], function: Callable, case: Case, **given) -> None:
-        """Gradients agree with differences; `only` names the arrays, none being all."""
+        def pullback(upstream):
+            if PULLBACK in returns:
+                return others[0](upstream)
+            each = (g if g is None else upstream * g for _, g in leaves("", others))
+            return rebuilt(others, each)
 
-        def f(*values):
-            changed = dict(zip(self.inputs, values, strict=True))
-            value, *others = self._call(function, given | changed)
-            value = value if np.ndim(value) else np.float64(value)
-            return value, lambda upstream: self._pulled(others, upstream)
+        return value, pullback
 
-        inputs = [given[i] for i in self.inputs]
-        named = [n for n, _ in calling.all_leaves(inputs, self.inputs)]
-        chosen = [n for n in named if not only or KEY.sub(r"\1", n) in only]
-        options = {"only": chosen, "kinks_excused": 1.0}  # sums may tie in the pooling
-        problems = wrong_gradients(f, inputs, self.inputs, case.rng(), **options)
-        function(*given.values())  # the call that a report shows
-        if problems:
-            first, *others = problems
-            also = (f"also: {other.subject}" for other in others)
-            raise Mismatch(first.kind, first.subject, "\n".join([str(first), *also]))
+    arguments = [given[i] for i in inputs]
+    named = [n for n, _ in calling.all_leaves(arguments, inputs)]
+    chosen = [n for n in named if not only or KEY.sub(r"\1", n) in only]
+    options = {"only": chosen, "kinks_excused": 1.0}  # sums may tie in the pooling
+    problems = wrong_gradients(f, arguments, inputs, case.rng(), **options)
+    function(*given.values())  # the call that a report shows
+    if problems:
+        first, *others = problems
+        also = (f"also: {other.subject}" for other in others)
+        raise Mismatch(first.kind, first.subject, "\n".join([str(first), *also]))
 
-    def upstream_default(self, function: Callable, case: Case, **given: object) -> None:
-        """Without an upstream gradient it is 1."""
-        _, pullback = self._call(function, given)
-        require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
 
-    def _call(self, function: Callable, given: Mapping[str, object]) -> list:
-        returned = require_parts(function(*given.values()), self.returns)
-        if PULLBACK in self.returns and not callable(returned[1]):
-            raise TypeError(f"it does not return {' and '.join(self.returns)}")
-        return list(returned)
+def upstream_is_one(returns: Names, function, case, **given) -> None:
+    """The property that without an upstream gradient it is 1."""
+    _, pullback = _called(function, given, returns)
+    require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
 
-    def _pulled(self, others: list, upstream) -> object:
-        """The gradients for an upstream gradient, from what was returned after the value."""
-        if PULLBACK in self.returns:
-            return others[0](upstream)
-        return rebuilt(others, (g if g is None else upstream * g for _, g in leaves("", others)))
+
+def _called(function: Callable, given: Mapping[str, object], returns: Names) -> list:
+    """What a function returned; a TypeError unless it is what `returns` names."""
+    returned = require_parts(function(*given.values()), returns)
+    if PULLBACK in returns and not callable(returned[1]):
+        raise TypeError(f"it does not return {' and '.join(returns)}")
+    return list(returned)

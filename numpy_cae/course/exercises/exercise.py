@@ -1,127 +1,169 @@
 """An exercise of a lesson: the function that a student writes, and its properties.
 
-The file `lesson_NN.toml` states the exercises of a lesson (`entries.py`); `lesson_NN.py` has the
-checks and the arguments that only they have. Most exercises are operations and have the properties
-that `verify` states of them. The others (forward kinematics, the features, a step of descent, ...)
-state their own, in the same form, so that all are drawn, shrunk, reported and graded in the same
-way.
+Most exercises are operations and have the properties that `verify` states of them. The others
+(forward kinematics, the features, a step of descent, ...) state their own, in the same form, so
+that all are drawn, shrunk, reported and graded in the same way.
+
+The text file `lesson_NN.toml` states the exercises of a lesson. The entry `makes` says what they
+add up to. Each table is an exercise:
+
+points      what the exercise earns
+arguments   how each argument is drawn, or a function that draws all (`arguments.py`)
+like        an operation of `numpy_cae.ops` that has the same arguments and sizes
+sizes       the options of each size, the simplest first
+inputs      the arguments that get a gradient
+returns     what the function returns: the value, then `the pullback` or the gradients; without it,
+            a function with inputs is an operation that only the lesson has
+linear_in   the arguments in which such an operation is linear
+float32     whether float32 has to stay float32 (`every_exercise.toml`)
+pure        false if no argument can be altered (`every_exercise.toml`)
+given       what a solution may call: operations, and exercises of earlier lessons
+hints       the hints that `course.report` prints with hint=1, a direction, and hint=2
+hint_for    with the second hint: the hint of a property that does not hold
+properties  the statement of each property, or a table with it and fields of `Property`;
+            `gradient` names the arrays whose gradients the property is about, "" being all, and
+            `part` the only one of several results that it is about, or the only columns
+
+The checks that only one exercise has are in `own_checks.py`. An exercise without arguments is an
+operation of `numpy_cae.ops`.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache, partial
 from importlib import import_module
+from pathlib import Path
 
 from numpy_cae import ops
-from numpy_cae.course.exercises import checks
-from numpy_cae.course.exercises.arguments import Arguments, drawn
-from numpy_cae.course.exercises.entries import FOLDER, entries_of, read_table
-from numpy_cae.verify.operations.case import Sizes
+from numpy_cae.course.exercises import arguments, checks
+from numpy_cae.course.exercises.own_checks import CHECKS
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
-from numpy_cae.verify.operations.operation import OPERATIONS, Operation
+from numpy_cae.verify.operations.operation import OPERATIONS, Operation, sizes_of
 from numpy_cae.verify.operations.property import GRADIENT, REST, VALUE, Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
+FOLDER = Path(__file__).parent
 SOLUTIONS = "numpy_cae.course.solutions"
-EVERY = read_table("every_exercise")
+TABLES = {
+    path.stem.removeprefix("lesson_"): tomllib.loads(path.read_text(encoding="utf-8"))
+    for path in sorted(FOLDER.glob("*.toml"))
+}
+EVERY = TABLES.pop("every_exercise")
 """EVERY: the properties that exercises share, by the entry that states that they have them."""
+MAKES = {number: table.pop("makes") for number, table in TABLES.items()}
+"""MAKES: what the exercises of each lesson add up to, by the number of the lesson, 00 to 14."""
+ENTRIES = {name: entries for table in TABLES.values() for name, entries in table.items()}
+"""ENTRIES: what is stated of each exercise."""
 
 
-SPECIAL: dict = {}
-for path in sorted(FOLDER.glob("lesson_*.py")):
-    SPECIAL |= vars(import_module(f"{__package__}.{path.stem}"))
-"""SPECIAL: what is written for single exercises, by name; their checks are registered, too."""
+@cache
+def hints_of(name: str) -> tuple[list[str], dict[str, str]]:
+    """The two hints of an exercise, and those of its properties by name; none of others."""
+    entries = ENTRIES.get(name, {})
+    stages = [" ".join(hint.split()) for hint in entries.get("hints", ())]
+    return stages, {n: " ".join(hint.split()) for n, hint in entries.get("hint_for", {}).items()}
+
+
+def with_hint(exercise: Exercise, stage: int) -> Exercise:
+    """The exercise with a hint that a report shows; at stage 0, how to get a hint.
+
+    Raises a ValueError if there is no such stage.
+    """
+    if stage not in (0, 1, 2):
+        raise ValueError(f"hint is 1 or 2, got {stage!r}")
+    stages, of_properties = hints_of(exercise.name)
+    if not stages:
+        return exercise
+    if stage == 0:
+        more = f'course.report("{exercise.name}", {exercise.name}, hint=1) in a cell of your own'
+        return replace(exercise, hint=f"{more} prints one")
+    if stage == 1:
+        return replace(exercise, hint=f"{stages[0]} (more: hint=2)")
+    properties = (replace(p, hint=of_properties.get(p.name, "")) for p in exercise.properties)
+    return replace(exercise, properties=tuple(properties), hint=stages[1])
 
 
 def exercises_of(number: str) -> tuple[Exercise, ...]:
     """The exercises of a lesson."""
     solutions = import_module(f"{SOLUTIONS}.lesson_{number}")
     every = []
-    for name, entries in entries_of(number).items():
-        given = tuple(entries.get("given", "").split())
-        if "arguments" in entries or "like" in entries:
-            stated = Stated.of(getattr(solutions, name), entries)
-            every.append(Exercise(name, stated.solution, tuple(stated.properties()), given=given))
-        else:
-            properties = properties_of_operation(name)
-            every.append(Exercise(name, getattr(ops, name), properties, given=given))
+    for name, entries in TABLES[number].items():
+        is_stated = "arguments" in entries or "like" in entries
+        solution = getattr(solutions if is_stated else ops, name)
+        stated = _properties(solution, entries) if is_stated else properties_of_operation(name)
+        every.append(Exercise(name, solution, tuple(stated), given=_words(entries, "given")))
     return tuple(every)
 
 
-@dataclass(frozen=True)
-class Stated:
-    """The entries of an exercise that is no operation of `numpy_cae.ops`, and its solution."""
-
-    solution: Callable
-    entries: Mapping
-    arguments: Arguments
-    sizes: Sizes
-
-    @classmethod
-    def of(cls, solution: Callable, entries: Mapping) -> "Stated":
-        """Find the arguments, which are an operation's, drawn as stated, or special ones."""
-        sizes = _as_tuples(entries.get("sizes", {}))
-        if "like" in entries:
-            operation = OPERATIONS[entries["like"]]
-            return cls(solution, entries, operation.arguments, {**operation.sizes, **sizes})
-        stated = entries["arguments"]
-        arguments = SPECIAL[stated] if isinstance(stated, str) else drawn(stated, SPECIAL)
-        return cls(solution, entries, arguments, sizes)
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """The arguments that get a gradient."""
-        return tuple(self.entries.get("inputs", "").split())
-
-    def properties(self) -> list[Property]:
-        """Those of an operation if it returns a value and its pullback, else those stated."""
-        if self.inputs and "returns" not in self.entries:
-            return list(shared_properties(self._operation()))
-        every = dict(self.entries.get("properties", {}))
-        for entry, default in (("float32", False), ("pure", True)):
-            every |= EVERY[entry] if self.entries.get(entry, default) else {}
-        return [
-            self._property(name, {"states": each} if isinstance(each, str) else each)
-            for name, each in every.items()
-        ]
-
-    def _operation(self) -> Operation:
-        """The value has to be that of the solution, the gradients those of the student's value."""
-        stated = (self.solution.__name__, self.sizes, self.arguments, self.inputs)
-        linear_in = tuple(self.entries.get("linear_in", "").split())
-        options = {"reference": self.solution, "by_differences": True}
-        return Operation(*stated, linear_in=linear_in, **options)
-
-    def _property(self, name: str, entry: Mapping) -> Property:
-        options = {"examples": entry["examples"]} if "examples" in entry else {}
-        check = self._check(name, entry.get("gradient"), entry.get("part"))
-        form = REST if entry.get("form") else VALUE
-        return Property(
-            name,
-            entry.get("states", checks.AGREES),
-            lambda function, case: check(function, case, **self.arguments(case)),
-            operation=self.solution.__name__,
-            arguments=self.arguments,
-            sizes={**self.sizes, **_as_tuples(entry.get("sizes", {}))},
-            group=GRADIENT if "gradient" in entry else form,
-            **options,
-        )
-
-    def _check(self, name: str, gradient: str | None, part: str | list | None) -> checks.Check:
-        """The check that only this exercise has, or the usual one for this property."""
-        if special := checks.CHECKS.get((self.solution.__name__, name)):
-            return special
-        if any(name in shared for shared in EVERY.values()):
-            return partial(getattr(checks, name), self.arguments)
-        returns = tuple(self.entries.get("returns", ()))
-        differentiated = checks.Differentiated(self.inputs, returns)
-        if name == "upstream default":
-            return checks.on_copies(differentiated.upstream_default)
-        if gradient is not None:
-            return checks.on_copies(partial(differentiated.gradient, gradient.split()))
-        part = returns[0] if self.inputs else part
-        return checks.on_copies(checks.same_as(self.solution, returns, part))
+def _properties(solution: Callable, entries: Mapping) -> Sequence[Property]:
+    """Those of an operation if a function returns a value and its pullback, else those stated."""
+    stated = _as_operation(solution, entries)
+    if stated.differentiated and "returns" not in entries:
+        return shared_properties(stated)
+    every = dict(entries.get("properties", {}))
+    for entry, default in (("float32", False), ("pure", True)):
+        every |= EVERY[entry] if entries.get(entry, default) else {}
+    returns = tuple(entries.get("returns", ()))
+    return [
+        _property(stated, returns, name, {"states": each} if isinstance(each, str) else each)
+        for name, each in every.items()
+    ]
 
 
-def _as_tuples(sizes: Mapping[str, list]) -> dict[str, tuple]:
-    return {name: tuple(options) for name, options in sizes.items()}
+def _as_operation(solution: Callable, entries: Mapping) -> Operation:
+    """An exercise, with the arguments of an operation, or drawn as stated, or by a function.
+
+    The value has to be that of the solution, the gradients those of the student's value.
+    """
+    sizes = sizes_of(entries.get("sizes", {}))
+    drawn = entries.get("arguments")
+    if "like" in entries:
+        operation = OPERATIONS[entries["like"]]
+        drawn = operation.arguments
+        sizes = {**operation.sizes, **sizes}
+    elif isinstance(drawn, str):
+        drawn = getattr(arguments, drawn)
+    else:
+        drawn = arguments.drawn(drawn)
+    stated = (solution.__name__, sizes, drawn, _words(entries, "inputs"))
+    options = {"reference": solution, "by_differences": True}
+    return Operation(*stated, linear_in=_words(entries, "linear_in"), **options)
+
+
+def _property(exercise: Operation, returns: checks.Names, name: str, entry: Mapping) -> Property:
+    options = {"examples": entry["examples"]} if "examples" in entry else {}
+    check = _check(exercise, returns, name, entry)
+    form = REST if entry.get("form") else VALUE
+    return Property(
+        name,
+        entry.get("states", checks.AGREES),
+        lambda function, case: check(function, case, **exercise.arguments(case)),
+        operation=exercise.name,
+        arguments=exercise.arguments,
+        sizes={**exercise.sizes, **sizes_of(entry.get("sizes", {}))},
+        group=GRADIENT if "gradient" in entry else form,
+        **options,
+    )
+
+
+def _check(exercise: Operation, returns: checks.Names, name: str, entry: Mapping) -> Callable:
+    """The check that only this exercise has, or the usual one for this property."""
+    if special := CHECKS.get((exercise.name, name)):
+        return special
+    if any(name in shared for shared in EVERY.values()):
+        return partial(getattr(checks, name), exercise.arguments)
+    inputs = exercise.differentiated
+    if name == "upstream default":
+        check = partial(checks.upstream_is_one, returns)
+    elif "gradient" in entry:
+        check = partial(checks.gradients_agree, inputs, returns, _words(entry, "gradient"))
+    else:
+        part = returns[0] if inputs else entry.get("part")
+        check = partial(checks.agrees, exercise.reference, returns, part)
+    return checks.on_copies(check)
+
+
+def _words(entries: Mapping, name: str) -> tuple[str, ...]:
+    """The words of an entry; none without it."""
+    return tuple(entries.get(name, "").split())

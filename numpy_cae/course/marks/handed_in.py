@@ -25,6 +25,8 @@ MOST_BYTES = 2**28
 """MOST_BYTES: the files of a zip file may have so many bytes together, unpacked."""
 DEEPEST = 2
 """DEEPEST: a zip file in a zip file is opened, and none in that."""
+UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
+"""UNPACKED: other methods may unpack a small entry at once to more than the memory holds."""
 MOODLE = re.compile(r"(?P<name>.+?)_(?P<number>\d+)_assignsubmission_[a-z]+_?(?P<file>.*)")
 CANVAS = re.compile(r"(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+_(?P<file>.+)")
 COPY = re.compile(r"(-Copy\d+|-\d+| ?\(\d+\))+$")
@@ -99,42 +101,39 @@ def _lesson(name: str) -> str:
 
 def _inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[Found]:
     """Each file in a folder or a zip file; hidden folders and every mine.py are left out."""
-    if path.is_dir():
-        every = sorted(path.rglob("*"))
-        files = [(each, _place(each.relative_to(path)), "") for each in every]
-    else:
-        files = _unzipped(path, unpacked)
-    for file, place, fault in files:
+    folder = path
+    if not path.is_dir():
+        folder = Path(tempfile.mkdtemp(dir=unpacked))
+        try:
+            _unzip(path, folder)
+        except Exception as error:  # zipfile raises many types, and zlib's own
+            yield path, _place(path.name), f"the zip file is not opened: {error}"
+            return
+    for file in sorted(folder.rglob("*")):
+        place = _place(file.relative_to(folder))
         hidden = any(part.startswith((".", "__")) for part in place.parts)
-        if fault:
-            yield file, place, fault
-        elif place.suffix == ZIP and not hidden and depth < DEEPEST:
-            for inner, below, wrong in _inside(file, unpacked, depth + 1):
-                yield inner, place.with_suffix("") / below, wrong
+        if place.suffix == ZIP and not hidden and depth < DEEPEST:
+            for inner, below, fault in _inside(file, unpacked, depth + 1):
+                yield inner, place.with_suffix("") / below, fault
         elif place.suffix in SUFFIXES and place.name != "mine.py" and not hidden:
             yield file, place, ""
 
 
-def _unzipped(path: Path, into: Path) -> list[Found]:
-    """The files of a zip file, written to folders of their own, unless it is damaged or too
-    large; no entry unpacks to more bytes than it declares."""
-    files = []
-    try:
-        with zipfile.ZipFile(path) as packed:
-            entries = [each for each in packed.infolist() if not each.is_dir()]
-            if len(entries) > MOST_FILES:
-                raise ValueError(f"it holds more than {MOST_FILES} files")
-            kept = [each for each in entries if Path(each.filename).suffix in (*SUFFIXES, ZIP)]
-            if sum(each.file_size for each in kept) > MOST_BYTES:
-                raise ValueError(f"its files are larger than {MOST_BYTES // 2**20} MB")
-            for entry in kept:
-                parts = entry.filename.replace("\\", "/").split("/")
-                place = PurePosixPath(*(part for part in parts if part not in ("", ".", "..")))
-                file_name = os.fsdecode(place.name.encode("utf-8", "surrogateescape"))
-                file = Path(tempfile.mkdtemp(dir=into), file_name)
-                with packed.open(entry) as member:  # to read all may unpack more than it declares
-                    file.write_bytes(member.read(entry.file_size))
-                files.append((file, place, ""))
-    except (ValueError, OSError, RuntimeError, NotImplementedError, zipfile.BadZipFile) as error:
-        return [(path, _place(path.name), f"the zip file is not opened: {error}")]
-    return files
+def _unzip(path: Path, folder: Path) -> None:
+    """Write the files of a zip file; raise if it is damaged or too large.
+
+    No entry unpacks to more bytes than it declares, and those that are deflated do so bit by bit.
+    """
+    with zipfile.ZipFile(path) as packed:
+        entries = [each for each in packed.infolist() if not each.is_dir()]
+        if len(entries) > MOST_FILES:
+            raise ValueError(f"it holds more than {MOST_FILES} files")
+        kept = [each for each in entries if Path(each.filename).suffix in (*SUFFIXES, ZIP)]
+        if sum(each.file_size for each in kept) > MOST_BYTES:
+            raise ValueError(f"its files are larger than {MOST_BYTES // 2**20} MB")
+        if {each.compress_type for each in kept} - UNPACKED:
+            raise ValueError("only files that are stored or deflated are unpacked")
+        for entry in kept:
+            name = entry.filename.replace("\\", "/").encode("utf-8", "surrogateescape")
+            entry.filename = os.fsdecode(name)
+            packed.extract(entry, folder)

@@ -10,10 +10,11 @@ share.
 import codecs
 import csv
 import io
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
@@ -26,6 +27,7 @@ HEADINGS = {key.casefold() for key in KEYS} | {"name", "full name", "login", "e-
 """HEADINGS: a file with one column begins with one of these, or with its first student."""
 CANVAS = "SIS Login ID"
 """CANVAS: a column that only Canvas has. There a row without an ID is about no student."""
+FULL_NAME = "name"
 POSSIBLE = "Points Possible"
 MARKS = {"utf-8-sig": codecs.BOM_UTF8, "utf-16": (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)}
 Row = dict[str, str]
@@ -55,6 +57,14 @@ class Roster:
             writer = csv.DictWriter(file, columns, "", delimiter=self.delimiter)
             writer.writeheader()
             writer.writerows(rows)
+
+    def write_with(self, path: Path, points: Mapping[str, Row], possible: Row) -> None:
+        """Write the rows with the points of each student, and a row with the points possible."""
+        first = self.columns[0]
+        others = [row | possible if POSSIBLE in row[first] else row for row in self.others]
+        if CANVAS in self.columns and not any(POSSIBLE in row[first] for row in others):
+            others.insert(0, dict.fromkeys(self.columns, "") | {first: POSSIBLE} | possible)
+        self.write(path, [*others, *(row | points[key] for key, row in self.students.items())])
 
 
 def read_roster(path: Path) -> Roster:
@@ -102,95 +112,59 @@ def decoded(content: bytes) -> tuple[str, str]:
     return content.decode("latin-1"), "latin-1"
 
 
-def identifiers(rows: Sequence[Row]) -> Iterator[tuple[str, list[set[str]]]]:
-    """For each column what its cells may be called in the name of a file, row by row.
-
-    The last column is that of full names, of the first two cells, such as a first and a last name.
-    """
-    for column in rows[0]:
-        yield column, [_called(row[column]) for row in rows]
-    pairs = [list(row.values())[:2] for row in rows]
-    yield "name", [{squashed("".join(p)), squashed("".join(p[::-1]))} - {""} for p in pairs]
-
-
-def _called(cell: str) -> set[str]:
-    """Ann Lee and Lee, Ann are annlee and leeann; ann@here.org is ann, Participant 7 is 7."""
-    last, comma, first = cell.partition(",")
-    words = [first, last] if comma else cell.split()
-    called = {
-        cell,
-        "".join(words),
-        "".join(words[1:] + words[:1]),
-        "".join(words[-1:] + words[:-1]),
-    }
-    if "@" in cell:
-        called.add(cell.partition("@")[0])
-    called |= {word for word in words[-1:] if word.isdecimal()}
-    return {squashed(each) for each in called} - {""}
-
-
 def squashed(text: str) -> str:
     """The letters and digits of a text, as Canvas writes names: all small."""
     return "".join(c for c in text.casefold() if c.isalnum())
 
 
-@dataclass(frozen=True)
-class Matching:
-    """The row of each student who handed something in, and by what it was found.
+def match(files: Sequence[HandedIn], roster: Roster) -> tuple[dict[str, str], list[str]]:
+    """The row of everyone who handed something in, and lines that say by what, no match first.
 
-    `found` has (the key of the row, what they share) by the student's name in the files; `missing`
-    says why there is none.
+    A row is known by its key, a student by the name in the files. What is equal in two rows, such
+    as a group, identifies nobody. Without a row is a student whose names and numbers are in none,
+    or lead to several.
     """
-
-    found: dict[str, tuple[str, str]]
-    missing: dict[str, str]
-    without: tuple[str, ...]
-
-    def key(self, student: str) -> str:
-        """The name of a student in the table of marks."""
-        return self.found.get(student, (student,))[0]
-
-    def lines(self) -> Iterator[str]:
-        """The matching as a table, what has no match first."""
-        for student, why in self.missing.items():
-            yield f"NO ROW      {student}: {why}"
-        for key in self.without:
-            yield f"NO FILE     {key}"
-        for student, (key, shared) in self.found.items():
-            yield f"{key:11} {student}, by {shared}"
-
-
-def match(files: Sequence[HandedIn], roster: Roster) -> Matching:
-    """Find the row of everyone who handed something in.
-
-    What is equal in two rows, such as a group, identifies nobody. Without a row is a student whose
-    names and numbers are in none, or lead to several.
-    """
-    keys = list(roster.students)
-    by_called: dict[str, dict[str, str]] = {}
-    for column, called in identifiers(list(roster.students.values())):
-        counts = Counter(name for names in called for name in names)
-        for key, names in zip(keys, called, strict=True):
-            for name in names:
-                if counts[name] == 1:
-                    by_called.setdefault(name, {}).setdefault(key, column)
-    found: dict[str, tuple[str, str]] = {}
+    owners: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for key, row in roster.students.items():
+        for identifier in _identifiers(row):
+            owners[identifier].append(key)
+    found: dict[str, str] = {}
+    by: dict[str, str] = {}
     missing: dict[str, str] = {}
     for file in files:
-        shared = _shared(file, by_called)
+        shared: dict[str, str] = {}
+        for called, column in product(file.called, [*roster.columns, FULL_NAME]):
+            keys = owners[column, squashed(called)]
+            if len(keys) == 1:
+                shared.setdefault(keys[0], f"{column} {called}")
         if len(shared) == 1:
-            found[file.student] = next(iter(shared.items()))
+            found[file.student] = next(iter(shared))
+            by[file.student] = shared[found[file.student]]
         else:
-            rows = ", ".join(shared)
-            missing[file.student] = f"it may be {rows}" if rows else "nothing like it in the roster"
-    taken = {key for key, _ in found.values()}
-    return Matching(found, missing, tuple(key for key in keys if key not in taken))
+            why = f"it may be {', '.join(shared)}" if shared else "nothing like it in the roster"
+            missing[file.student] = why
+    lines = [f"NO ROW      {student}: {why}" for student, why in missing.items()]
+    lines += [f"NO FILE     {key}" for key in roster.students if key not in found.values()]
+    lines += [f"{key:11} {student}, by {by[student]}" for student, key in found.items()]
+    return found, lines
 
 
-def _shared(file: HandedIn, by_called: dict[str, dict[str, str]]) -> dict[str, str]:
-    """The rows that a file's names and numbers lead to, each with what it shares with the file."""
-    rows: dict[str, str] = {}
-    for called in file.called:
-        for key, column in by_called.get(squashed(called), {}).items():
-            rows.setdefault(key, f"{column} {called}")
-    return rows
+def _identifiers(row: Row) -> set[tuple[str, str]]:
+    """What the cells of a row may be called in the name of a file, each with its column.
+
+    The last column is that of full names, of the first two cells, such as a first and a last name.
+    """
+    called = [(column, name) for column, cell in row.items() for name in _called(cell)]
+    first, *others = [*row.values()][:2]
+    called += [(FULL_NAME, "".join([first, *others])), (FULL_NAME, "".join([*others, first]))]
+    return {(column, squashed(name)) for column, name in called if squashed(name)}
+
+
+def _called(cell: str) -> Iterator[str]:
+    """Ann Lee and Lee, Ann are AnnLee and LeeAnn; ann@here.org is ann, Participant 7 is 7."""
+    last, comma, first = cell.partition(",")
+    words = [first, last] if comma else cell.split()
+    yield from (cell, cell.partition("@")[0])
+    for order in (words, words[1:] + words[:1], words[-1:] + words[:-1]):
+        yield "".join(order)
+    yield from (word for word in words[-1:] if word.isdecimal())

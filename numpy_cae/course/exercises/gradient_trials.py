@@ -1,0 +1,129 @@
+"""What a student's check of gradients, an exercise of lesson 12, is tried with.
+
+A check is right if every right implementation passes and no wrong one does. The wrong ones are
+the planted bugs of `verify`.
+"""
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation import OPERATIONS
+from numpy_cae.verify.operations.patch import BUGS, Patch, right_operation
+from numpy_cae.verify.operations.property import Property
+
+GROUPS = {
+    "activations": ("tanh", "sigmoid", "arctanh"),
+    "convolution": ("conv1d", "transpose_filters"),
+    "pooling": ("max_pool", "unpool_even", "unpool_random"),
+    "losses": ("mean_squared_error", "mean_absolute"),
+    "recurrence": ("linear", "gru_step", "gru"),
+    "tied weights": ("tied_layer",),
+}
+SIZES = {"batch": 2, "frames": 4, "taps": 3, "axes": 2} | dict.fromkeys(
+    ("channels", "filters", "features", "hidden"), 2
+)
+"""As many channels as filters, so that a missing transpose shows only in the numbers."""
+TINY = 1e-6
+Checked = tuple[Callable, dict[str, np.ndarray]]
+"""A function and its inputs by name: the arguments of `check_gradients`."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """An operation, right or with a planted bug, whose inputs are multiplied by a scale."""
+
+    operation: str
+    bug: Patch | None = None
+    scale: float = 1.0
+
+    def arguments(self, seed: int) -> Checked:
+        """f and its inputs; f closes over the arguments that get no gradient."""
+        implementation = self.bug.function() if self.bug else right_operation(self.operation)
+        stated = OPERATIONS[self.operation]
+        sizes = tuple((name, SIZES[name]) for name in stated.sizes if name in SIZES)
+        arguments = stated.arguments(Case(sizes, seed))
+        inputs = {name: self.scale * arguments[name] for name in stated.differentiated}
+        if "x" in arguments:
+            arguments["x"] = self.scale * arguments["x"]
+        if "first" in arguments:  # a mask of one value would hide what is wrong at the other
+            arguments["first"].flat[:2] = True, False
+
+        def f(*values):
+            return implementation(*(arguments | dict(zip(inputs, values, strict=True))).values())
+
+        return f, inputs
+
+    def verdict(self, check_gradients: Callable, seed: int) -> str:
+        """The message with which a wrong operation is refused; an error if the check is wrong."""
+        try:
+            check_gradients(*self.arguments(seed))
+        except AssertionError as error:
+            if self.bug:
+                return str(error)
+            raise AssertionError(f"it refuses {self.operation}, which is right: {error}") from None
+        if self.bug:
+            raise AssertionError(f"it accepts a wrong {self.operation}: {self.bug.sentence}")
+        return ""
+
+
+RIGHT = [Trial(operation) for names in GROUPS.values() for operation in names]
+WRONG = {b.name: Trial(b.operation, b) for b in BUGS if b.caught_by.startswith("gradient for")}
+"""WRONG: the operations with a wrong gradient, by the name of the bug."""
+
+
+def trials_of(operations: Collection[str]) -> list[Trial]:
+    """The trials of some operations, the right ones first."""
+    return [each for each in (*RIGHT, *WRONG.values()) if each.operation in operations]
+
+
+REQUIRED = {name: trials_of(operations) for name, operations in GROUPS.items()}
+REQUIRED["right ones pass"] = RIGHT
+REQUIRED["tiny numbers"] = [*map(Trial, GROUPS["losses"])]
+REQUIRED["tiny numbers"] += [replace(WRONG["squared_without_two"], scale=TINY)]
+"""REQUIRED: the trials of each property of `check_gradients`."""
+NAMED = [WRONG[bug] for bug in ("conv_without_flip", "conv_filters_reversed", "conv_bias_averaged")]
+"""NAMED: trials in which the message has to name the input whose gradient is wrong."""
+AT = np.array([0.5 + 5e-9, 1.0 + 5e-9])
+"""Where the traps are tried: in the middle of a stair of 1e-8, on the corners of `corner`."""
+TRAPS = {
+    "dy ignored": (np.square, lambda x, dy: 2 * x),
+    "twice": (np.square, lambda x, dy: 4 * x * dy),
+    "negative": (np.square, lambda x, dy: -2 * x * dy),
+    "in other entries": (np.square, lambda x, dy: (2 * x * dy)[::-1]),
+    "too small": (np.square, lambda x, dy: 2 * x * dy - 1),
+    "far too small": (np.square, lambda x, dy: 2 * x * dy - 9),
+    "too large": (np.square, lambda x, dy: 2 * x * dy + 1),
+    "one sum": (np.square, lambda x, dy: np.full(2, np.sum(2 * x * dy))),
+    "of the right": (lambda x: np.maximum(x - AT, 0), lambda x, dy: dy),
+    "of the left": (lambda x: np.maximum(x - AT, 0), lambda x, dy: 0 * dy),
+    "of a stair": (lambda x: np.floor(1e8 * x) / 1e8, lambda x, dy: 0 * dy),
+    "of a plateau": (lambda x: np.trunc(200 * (x - AT)), lambda x, dy: 0 * dy),
+    "constant": (lambda x: 0 * x, lambda x, dy: 0 * dy),
+}
+"""Functions of an array with a gradient that a check with a certain mistake takes for right."""
+
+
+def _trap(value: Callable, gradient: Callable, seed: int) -> Checked:
+    return lambda x: (value(x), lambda dy: gradient(x, dy)), {"x": AT.copy()}
+
+
+QUICK = trials_of((*GROUPS["activations"], *GROUPS["losses"], *GROUPS["tied weights"]))
+QUICK += [replace(w, scale=TINY) for w in WRONG.values() if "squared" in w.operation]
+TRIED = {name: partial(_trap, *each) for name, each in TRAPS.items()}
+TRIED |= {f"{number}": each.arguments for number, each in enumerate(QUICK)}
+VERDICTS = Property(
+    "verdicts",
+    "what is refused",
+    lambda *given: None,
+    sizes={"function": tuple(TRIED)},
+    operation="check_gradients",
+    arguments=lambda case: dict(
+        zip(("f", "inputs"), TRIED[case["function"]](case.seed), strict=True)
+    ),
+    combined=("function",),
+)
+"""All that `check_gradients` is tried with: what it refuses shows its mistake."""
