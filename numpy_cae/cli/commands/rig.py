@@ -11,7 +11,6 @@ import argparse
 import json
 from pathlib import Path
 
-from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments
 
 TRUSTED = 15
@@ -61,9 +60,15 @@ def run(args: argparse.Namespace) -> int:
         guessed = joint in own and name != names.get(joint)
         print(f"  {joint:15} {name}{' (suggested by the hierarchy: check it)' if guessed else ''}")
     if args.output is not None:
-        mapping = {joint: motion.skeleton.names[own[joint]] for joint in JOINTS if joint in own}
-        with atomic_write(args.output) as temporary:
-            text = json.dumps(mapping, indent=1, ensure_ascii=False)
-            temporary.write_text(text + "\n", encoding="utf-8")
-        print(f"{args.output}: {len(mapping)} joints; pass it with --mapping")
+        _write({joint: motion.skeleton.names[own[joint]] for joint in JOINTS if joint in own}, args)
     return 0
+
+
+def _write(mapping: dict[str, str], args: argparse.Namespace) -> None:
+    """Write a mapping to the file of -o."""
+    from numpy_cae.atomic_write import atomic_write
+
+    with atomic_write(args.output) as temporary:
+        text = json.dumps(mapping, indent=1, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    print(f"{args.output}: {len(mapping)} joints; pass it with --mapping")
