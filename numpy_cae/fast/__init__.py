@@ -16,8 +16,7 @@ layer_convolution            W in the encoder and W̃ in the decoder with one tr
 fast_layer                   equations 1 and 2 with their pullbacks in fixed buffers
 workspace                    one thread's windows through all layers and back; the threads together
 fast_conv_autoencoder        `ConvAutoencoder` with these
-fast_gru                     one GRU over the clips of a thread, without temporary arrays
-fast_sequential_autoencoder  `SequentialAutoencoder` with these
+fast_sequential_autoencoder  `SequentialAutoencoder` by one recurrence without frames
 """
 
 from typing import Any

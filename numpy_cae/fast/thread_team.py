@@ -21,6 +21,7 @@ from contextlib import contextmanager, nullcontext
 from contextvars import copy_context
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -101,8 +102,8 @@ class ThreadTeam:
         self._barrier = threading.Barrier(size)
         self._others = ThreadPoolExecutor(max(size - 1, 1), "numpy_cae")
 
-    def run(self, work: Callable[[int], None], blas_threads: int = 1) -> None:
-        """Call work(0), work(1), … in parallel and wait for all, each with one BLAS thread.
+    def run(self, work: Callable[[int], Any], blas_threads: int = 1) -> list[Any]:
+        """work(0), work(1), … in parallel, each with one BLAS thread; waits for all.
 
         With another number of `blas_threads`, BLAS uses as many as outside of a team. If a worker
         fails, the others are released and its error is raised.
@@ -112,24 +113,24 @@ class ThreadTeam:
                 self._others.submit(copy_context().run, self._guarded, work, worker)
                 for worker in range(1, self.size)
             ]
-            failures = [self._guarded(work, 0), *(job.result() for job in jobs)]
+            done = [self._guarded(work, 0), *(job.result() for job in jobs)]
             self._barrier.reset()
-            for failure in failures:
-                if failure is not None and not isinstance(failure, threading.BrokenBarrierError):
-                    raise failure
+        for _, failure in done:
+            if failure is not None and not isinstance(failure, threading.BrokenBarrierError):
+                raise failure
+        return [result for result, _ in done]
 
     def wait(self) -> None:
         """Wait until every worker has called this method."""
         self._barrier.wait()
 
-    def _guarded(self, work: Callable[[int], None], worker: int) -> BaseException | None:
-        """Run; on failure release the others, which would wait forever."""
+    def _guarded(self, work: Callable[[int], Any], worker: int) -> tuple[Any, BaseException | None]:
+        """The result, or the failure after releasing the others, which would wait forever."""
         try:
-            work(worker)
+            return work(worker), None
         except BaseException as failure:
             self._barrier.abort()
-            return failure
-        return None
+            return None, failure
 
 
 @lru_cache

@@ -15,7 +15,7 @@ Since dk/da = 2 k'(d) (a - b) with k'(d) = -Σ_s C_s / (C_s + d)²,
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.fast.fast_sequential_autoencoder import SequenceEngine
+from numpy_cae.fast.fast_sequential_autoencoder import FastSequentialAutoencoder
 from numpy_cae.models.sequential_autoencoder import Losses, Weights
 from numpy_cae.ops.shapes import Pullback
 
@@ -54,7 +54,7 @@ def _kernel(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return share.sum(axis=-1), -(share**2 / scales).sum(axis=-1)
 
 
-class MmdEngine(SequenceEngine):
+class MmdEngine(FastSequentialAutoencoder):
     """The network of jang2018 with this distance instead of the sliced Wasserstein distance."""
 
     def loss_and_gradients(
