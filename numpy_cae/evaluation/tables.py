@@ -23,7 +23,7 @@ from numpy_cae.evaluation import angle_distance, position_error
 from numpy_cae.evaluation.baselines import PCA, Gaussian, filtered
 from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.complete import interpolated, zeroed_fraction
-from numpy_cae.motion import AngleSequence, cut_clips, cut_windows, draw_clips
+from numpy_cae.motion import AngleSequence, cut_clips, cut_windows
 from numpy_cae.training import zero_values
 
 
@@ -230,7 +230,7 @@ def reconstruction(
     latent = manifold.network.latent
     x = manifold.normalise(cut_clips(testing, frames=manifold.frames))
     rng = np.random.default_rng(seed)
-    learned = manifold.normalise(draw_clips(training, PCA_CLIPS, rng, manifold.frames))
+    learned = manifold.random_clips(training, rng, PCA_CLIPS)
     reconstructions = {
         NETWORK: manifold.network.denoise(x),
         BY_PCA: PCA.fit(learned.reshape(PCA_CLIPS, -1)).project(x, latent),

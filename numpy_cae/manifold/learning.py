@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.motion import CLIP, LENGTH, RATE, AngleSequence, cut_clips, cut_windows, draw_clips
+from numpy_cae.motion import CLIP, LENGTH, RATE, AngleSequence, cut_clips, cut_windows
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY, features_on_mean_skeleton
 from numpy_cae.training.loop import HELD_OUT
 
@@ -167,10 +168,14 @@ def _with_chains(schedule: training.Schedule) -> training.Schedule:
 def learn_sequences(
     sequences: Sequence[AngleSequence],
     schedule: training.SequenceSchedule | None = None,
-    seed: int = 0,
+    seed: int | np.random.Generator = 0,
     report: Report | None = None,
     checkpoint: training.Checkpoint | None = None,
-    **network,
+    hidden: int = HIDDEN,
+    latent: int = LATENT,
+    burn_in: int = BURN_IN,
+    frames: int = CLIP,
+    engine: str = "fast",
 ) -> SequenceManifold:
     """Train a sequential manifold on motions of one action.
 
@@ -178,11 +183,13 @@ def learn_sequences(
     ----------
     sequences : sequence of AngleSequence
         Motions shorter than a clip are skipped.
-    schedule, seed, report, checkpoint
-        As in `learn_manifold`.
-    network
-        The arguments of `untrained_sequences` that describe the network: hidden, latent, burn_in,
-        frames (the length of a clip) and engine.
+    schedule, seed, report, checkpoint, engine
+        As in `learn_manifold`; after 0 epochs the network is as it was drawn from the seed, or from
+        a generator, which is then advanced.
+    hidden, latent, burn_in
+        As in `SequentialAutoencoder`.
+    frames : int
+        Frames in a clip.
 
     Returns
     -------
@@ -205,59 +212,28 @@ def learn_sequences(
     >>> manifold.network.encode(manifold.normalise(sequences[0].numbers[None, :50])).shape
     (1, 3)
     """
-    rng = np.random.default_rng(seed)
-    manifold = untrained_sequences(sequences, rng, **network)
-    train_on_sequences(manifold, sequences, schedule, rng, report, checkpoint)
-    manifold.settings = {"seed": seed} | manifold.settings
-    return manifold
-
-
-def untrained_sequences(
-    sequences: Sequence[AngleSequence],
-    rng: np.random.Generator,
-    hidden: int = HIDDEN,
-    latent: int = LATENT,
-    burn_in: int = BURN_IN,
-    frames: int = CLIP,
-    engine: str = "fast",
-) -> SequenceManifold:
-    """The manifold of `learn_sequences` before its training."""
     if not sequences:
         raise ValueError("there are no motions to learn from")
+    schedule = schedule or training.SequenceSchedule()
+    rng = np.random.default_rng(seed)
     table, bones = common_bones(sequences)
     step = max(CLIP_STEP, sum(map(len, sequences)) // MOST_CLIPS)
     clips = cut_clips(sequences, step, frames)
     network = SequentialAutoencoder(len(table.columns), hidden, latent, rng, burn_in=burn_in)
     network = with_engine(network, engine)
-    manifold = SequenceManifold(network, *mean_and_deviation(clips), table, bones)
-    manifold.frames = frames
-    return manifold
-
-
-def train_on_sequences(
-    manifold: SequenceManifold,
-    sequences: Sequence[AngleSequence],
-    schedule: training.SequenceSchedule | None,
-    rng: np.random.Generator,
-    report: Report | None = None,
-    checkpoint: training.Checkpoint | None = None,
-) -> None:
-    """Train the network of the manifold in place, on random clips of the motions."""
-    schedule = schedule or training.SequenceSchedule()
-    frames = manifold.frames
-
-    def draw(rng: np.random.Generator, batch: int) -> np.ndarray:
-        return manifold.normalise(draw_clips(sequences, batch, rng, frames))
-
-    history = training.train_sequential(manifold.network, draw, schedule, rng, report, checkpoint)
+    manifold = SequenceManifold(network, *mean_and_deviation(clips), table, bones, frames=frames)
+    draw = partial(manifold.random_clips, sequences)
+    history = training.train_sequential(network, draw, schedule, rng, report, checkpoint)
     manifold.settings = {
+        "seed": seed,
         "frames": frames,
         "motions": len(sequences),
         "schedule": asdict(schedule),
         "losses": {"sequences": history.losses["sequences"]},
-        "reconstruction": history.losses["reconstruction"][-1:],
-        "discrepancy": history.losses["discrepancy"][-1:],
     }
+    for term in ("reconstruction", "discrepancy"):
+        manifold.settings[term] = history.losses.get(term, [])[-1:]
+    return manifold
 
 
 def mean_and_deviation(clips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,5 @@
-"""Checks of a model's arrays, plain numbers and settings in JSON, before they are used."""
+"""Checks of a model's arrays, which are plain numbers, before they are used."""
 
-import json
 from collections.abc import Mapping
 
 import numpy as np
@@ -16,14 +15,6 @@ MAX_RATE = 1000.0
 """Most frames a second."""
 MAX_FRAMES = 100_000
 """Longest window or clip that a file may state."""
-
-
-def json_object(arrays: Arrays, name: str) -> dict:
-    """The JSON object in the text array of that name; ValueError if the text is none."""
-    value = json.loads(str(arrays[name]))
-    if not isinstance(value, dict):
-        raise ValueError(f"{name} is not a JSON object")
-    return value
 
 
 def numbers(

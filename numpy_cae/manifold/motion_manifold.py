@@ -298,10 +298,8 @@ class MotionManifold:
             checked.numbers(arrays, "mean_pose", (FEATURES,)),
             checked.numbers(arrays, "scale", (FEATURES,), checked.SMALLEST),
             lengths,
-            float(checked.numbers(arrays, "rate", (), 1.0, checked.MAX_RATE)),
-            checked.json_object(arrays, "settings"),
-            bool(checked.integer(arrays, "rescales", 0, 1)),
-            checked.integer(arrays, "window", 1, checked.MAX_FRAMES),
+            rescales=bool(checked.integer(arrays, "rescales", 0, 1)),
+            window=checked.integer(arrays, "window", 1, checked.MAX_FRAMES),
         )
 
     def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:

@@ -86,8 +86,11 @@ class NeighbourPrior:
         """Draw Y, (hidden_frames, units) of float32; windows are joined and blended if needed."""
         y = self._window(rng)
         overlap = max(1, round(_OVERLAP * self.encoded.shape[1]))
+        s = (np.arange(1, overlap + 1, dtype=y.dtype) / (overlap + 1))[:, None]
         while len(y) < hidden_frames:
-            y = _joined(y, self._window(rng), overlap)
+            following = self._window(rng)
+            blended = (1 - s) * y[-overlap:] + s * following[:overlap]
+            y = np.concatenate([y[:-overlap], blended, following[overlap:]])
         return y[:hidden_frames]
 
     def _window(self, rng: np.random.Generator) -> np.ndarray:
@@ -96,12 +99,6 @@ class NeighbourPrior:
         nearest = np.argsort(distances, kind="stable")[: NEIGHBOURS + 1]
         weights = rng.dirichlet(np.ones(len(nearest))).astype(np.float32)
         return np.tensordot(weights, self.encoded[nearest], axes=1)
-
-
-def _joined(y: np.ndarray, following: np.ndarray, overlap: int) -> np.ndarray:
-    s = (np.arange(1, overlap + 1, dtype=y.dtype) / (overlap + 1))[:, None]
-    blended = (1 - s) * y[-overlap:] + s * following[:overlap]
-    return np.concatenate([y[:-overlap], blended, following[overlap:]])
 
 
 def sample(
@@ -139,10 +136,9 @@ def sample(
     """
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected 1 or more")
-    network = manifold.network
     hidden_frames = -(-frames // manifold.stride)
     if prior is None:
-        y = draw_uniform(hidden_frames, network.layers[-1].b.size, rng)
+        y = draw_uniform(hidden_frames, manifold.network.layers[-1].b.size, rng)
     else:
         y = prior.draw(hidden_frames, rng)
     return decode_units(manifold, y)[:frames]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy_cae.array_file import save_arrays
 from numpy_cae.manifold import model_arrays as checked
 from numpy_cae.models.sequential_autoencoder import SequentialAutoencoder, weight_shapes
-from numpy_cae.motion import CLIP, Motion, angles
+from numpy_cae.motion import CLIP, Motion, angles, draw_clips
 
 FORMAT = "numpy_cae sequential manifold 4"
 """FORMAT: the only format that is read; a file of another version has to be made again."""
@@ -72,6 +72,12 @@ class SequenceManifold:
         """The inverse of `normalise`, in float64."""
         return x.astype(np.float64) * self.deviation + self.mean
 
+    def random_clips(
+        self, sequences: Sequence[angles.AngleSequence], rng: np.random.Generator, count: int
+    ) -> np.ndarray:
+        """Normalised clips (count, frames, 54) of motions; every first frame is equally likely."""
+        return self.normalise(draw_clips(sequences, count, rng, self.frames))
+
     def motion(self, clip: np.ndarray) -> Motion:
         """A normalised clip (F, 54) as a motion that stands on the floor."""
         return angles.on_floor(angles.motion_of(self.denormalise(clip), self.table, self.offsets))
@@ -118,9 +124,7 @@ class SequenceManifold:
             checked.numbers(arrays, "deviation", (columns,), checked.SMALLEST),
             table,
             checked.numbers(arrays, "offsets", bones, -checked.MAX_LENGTH, checked.MAX_LENGTH),
-            checked.json_object(arrays, "settings"),
-            float(checked.numbers(arrays, "rate", (), 1.0, checked.MAX_RATE)),
-            checked.integer(arrays, "frames", 1, checked.MAX_FRAMES),
+            frames=checked.integer(arrays, "frames", 1, checked.MAX_FRAMES),
         )
 
 

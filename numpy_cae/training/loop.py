@@ -128,29 +128,26 @@ class TrainingState:
         Raises DivergedError if the loss is not finite or, since a finite loss can precede infinite
         weights, if a weight is not finite at the end of an epoch.
         """
-        self._require_finite(loss, x, rate)
+        last = self.step + 1 == self.steps
+        if not np.isfinite(loss) or (last and nonfinite(self.weights)):
+            raise DivergedError(self._diverged(loss, x, rate))
         self.loss = loss
         self.total += loss * len(x)
         self.step += 1
         self.history.seconds[self.name] = time.perf_counter() - self.started
-        if self.step == self.steps:
+        if last:
             self.history.losses[self.name].append(self.total / self.examples)
             self.epoch += 1
             self.step = 0
             self.total = 0.0
 
-    def _require_finite(self, loss: float, x: np.ndarray, rate: float) -> None:
+    def _diverged(self, loss: float, x: np.ndarray, rate: float) -> str:
         """The message names the first array, from the input x on, that is not finite."""
-        last = self.step + 1 == self.steps
-        if np.isfinite(loss) and not (last and nonfinite(self.weights)):
-            return
         parts = [*nonfinite({"the input": x} | self.weights), f"the output of {self.name}"]
         where = f"{self.name}, epoch {self.epoch + 1}, step {self.step + 1}"
+        problem = f"the loss is {loss:.4g} at rate {rate:.4g}; not finite: {parts[0]}"
         saved = self.checkpoint.status() if self.checkpoint else "there is no checkpoint"
-        raise DivergedError(
-            f"{where}: the loss is {loss:.4g} at rate {rate:.4g}; not finite: {parts[0]}; "
-            f"{saved}; {ADVICE}"
-        )
+        return f"{where}: {problem}; {saved}; {ADVICE}"
 
 
 def nonfinite(arrays: dict[str, np.ndarray]) -> list[str]:
@@ -228,7 +225,7 @@ class Checkpoint:
         """Save at the end of an epoch, or if the last save is old; never weights that are not
         finite."""
         due = state.step == 0 or time.monotonic() - self.last >= self.seconds
-        if due and all(np.isfinite(array).all() for array in state.weights.values()):
+        if due and not nonfinite(state.weights):
             self.save(state)
 
     def save(self, state: TrainingState) -> None:

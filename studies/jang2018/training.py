@@ -9,7 +9,8 @@ discrepancy   the sliced Wasserstein distance between the latent vectors of held
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,11 +18,10 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.evaluation import angle_distance
 from numpy_cae.evaluation.tables import Table
-from numpy_cae.manifold import SequenceManifold
-from numpy_cae.manifold.learning import train_on_sequences, untrained_sequences
+from numpy_cae.manifold import SequenceManifold, learn_sequences
 from numpy_cae.mocap import body_positions
-from numpy_cae.motion import cut_clips, draw_clips
-from numpy_cae.training import SequenceSchedule, TrainingState, unit_directions
+from numpy_cae.motion import cut_clips
+from numpy_cae.training import SequenceSchedule, TrainingState, train_sequential, unit_directions
 from studies.jang2018.actions import Action
 from studies.jang2018.mmd import MmdEngine
 from studies.shared.result import Claim, Picture, Result
@@ -48,8 +48,7 @@ class Study:
     def random_clips(self, count: int, seed: int, training: bool = True) -> np.ndarray:
         """Normalised clips with random first frames, (count, F, 54)."""
         sequences = self.action.training if training else self.action.testing
-        clips = draw_clips(sequences, count, np.random.default_rng(seed), self.manifold.frames)
-        return self.manifold.normalise(clips)
+        return self.manifold.random_clips(sequences, np.random.default_rng(seed), count)
 
     def squared_error(self) -> float:
         """Mean squared error of held-out clips after encoding and decoding, standardised."""
@@ -72,21 +71,20 @@ def train_study(
     """Train on one action and record the curve of held-out errors, only its start if λ = 0.
 
     With `mmd` the regulariser is the maximum mean discrepancy of the codes from the prior.
-    `network` are the arguments of `untrained_sequences` that describe the network.
+    `network` are the arguments of `learn_sequences` that describe the network.
     """
     rng = np.random.default_rng(seed)
     rng_of_errors = np.random.default_rng([seed, 1])
-    manifold = untrained_sequences(action.training, rng, **network)
-    trained = manifold.network
+    manifold = learn_sequences(action.training, replace(schedule, epochs=0), rng, **network)
+    measured = manifold.network
     interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)
     curve: dict[str, list] = {"steps": [], "error": [], "discrepancy": []}
 
     def measure(step: int) -> None:
         # Both errors use the same fresh clips: all test clips would take a third of the training.
-        clips = draw_clips(action.testing, CLIPS, rng_of_errors, manifold.frames)
-        x = manifold.normalise(clips)
-        z = trained.encode(x)
-        x_hat = trained.decode(z, x.shape[1])
+        x = manifold.random_clips(action.testing, rng_of_errors, CLIPS)
+        z = measured.encode(x)
+        x_hat = measured.decode(z, x.shape[1])
         error = angle_distance(manifold.denormalise(x_hat), manifold.denormalise(x))
         values = step, error, discrepancy(z, rng_of_errors)
         for column, value in zip(curve.values(), values, strict=True):
@@ -101,11 +99,9 @@ def train_study(
             measure(step)
 
     measure(0)
-    if mmd:
-        manifold.network = MmdEngine(trained, None)
-    train_on_sequences(manifold, action.training, schedule, rng, report_and_measure)
-    manifold.network = trained
-    manifold.settings = {"seed": seed} | manifold.settings
+    trained = MmdEngine(measured, None) if mmd else measured
+    draw = partial(manifold.random_clips, action.training)
+    train_sequential(trained, draw, schedule, rng, report_and_measure)
     return Study(action, manifold, {name: np.array(values) for name, values in curve.items()})
 
 
