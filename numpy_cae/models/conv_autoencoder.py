@@ -86,11 +86,10 @@ class ConvAutoencoder:
     @property
     def parameters(self) -> dict[str, np.ndarray]:
         """The learned arrays themselves, by name: w1, b1 (the lowest layer), w2, b2, …"""
-        return {
-            f"{name}{number}": array
-            for number, layer in enumerate(self.layers, start=1)
-            for name, array in layer.parameters.items()
-        }
+        named: dict[str, np.ndarray] = {}
+        for number, layer in enumerate(self.layers, start=1):
+            named |= {f"w{number}": layer.w, f"b{number}": layer.b}
+        return named
 
     @property
     def stride(self) -> int:

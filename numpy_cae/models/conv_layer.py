@@ -67,11 +67,6 @@ class ConvLayer:
             w = rng.uniform(-width, width, size=(taps, channels, filters))
         return cls(w.astype(dtype), np.zeros(filters, dtype=dtype), bound)
 
-    @property
-    def parameters(self) -> dict[str, np.ndarray]:
-        """The learned arrays by name."""
-        return {"w": self.w, "b": self.b}
-
     def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, Pullback]:
         """Φ_k(X) = tanh(Ψ(X * W_k + b_k)), equation 1.
 

@@ -89,8 +89,9 @@ def autoencoder_steps(
     stages = (*by_layer, ("fine tuning", None, schedule.fine_tuning))
     for name, number, stage in [each for each in stages if each[-1].epochs][state.stage :]:
         layer = None if number is None else model.layers[number]
+        parameters = state.weights if layer is None else {"w": layer.w, "b": layer.b}
         x = hidden_below(model, windows, number) if number else windows
-        for step, rate in state.steps_of(name, stage, (layer or model).parameters, len(x)):
+        for step, rate in state.steps_of(name, stage, parameters, len(x)):
             if step == 0:
                 state.order = state.rng.permutation(len(x))
             batch = x[state.order[step * stage.batch : (step + 1) * stage.batch]]
@@ -98,7 +99,7 @@ def autoencoder_steps(
             first = None if layer is None else [unpooling_mask(batch, layer.b.size, state.rng)]
             loss, of_layers = model.loss_and_gradients(batch, corrupted, stage.alpha, first, number)
             if np.isfinite(loss):
-                # dw1, db1, dw2, db2, …: the order of `model.parameters`, and of `layer.parameters`.
+                # dw1, db1, dw2, db2, …: the order of the parameters.
                 gradients = [gradient for of_layer in of_layers for gradient in of_layer]
                 if stage.norm is not None:
                     clip_norm(gradients, stage.norm)
