@@ -193,3 +193,6 @@ def test_passing_weights_return_slow_motion_before_any_training():
     model = ConvAutoencoder(9, (9, 18, 36), 15, initial="passing")
     assert {array.dtype for array in model.parameters.values()} == {np.dtype(np.float32)}
     assert np.abs(model.project(x) - x)[:, 40:-40].mean() < 0.2 * np.abs(x).mean()
+    for taps, slopes in ((1, 0), (2, 9), (15, 9)):  # of a slope, the middle tap is 0
+        w = ConvAutoencoder(9, (18,), taps, initial="passing").layers[0].w
+        assert np.all(w[taps // 2] == 0, axis=0).sum() == slopes

@@ -19,7 +19,7 @@ X = np.random.default_rng(1).normal(size=(40, 160, 9)).astype(np.float32)
 
 def test_only_points_of_chains_are_damaged_and_the_input_is_kept():
     rng = np.random.default_rng(0)
-    x = rng.standard_normal((200, 160, 12)).astype(np.float32)
+    x = rng.standard_normal((1000, 160, 12)).astype(np.float32)
     before = x.copy()
     stage = Stage(zeroed=0.0, displacement=0.2, chains=((0, 3, 6),))
     damaged = corrupted_copy(x, stage, rng)
@@ -28,10 +28,10 @@ def test_only_points_of_chains_are_damaged_and_the_input_is_kept():
     changed = damaged != x
     assert not changed[..., :3].any() and not changed[..., 9:].any()
     frames = changed.any(axis=2)
-    assert 0.1 < np.mean(~frames.any(axis=1)) < 0.5  # a quarter has no stretch
+    assert 0.225 < np.mean(~frames.any(axis=1)) < 0.275  # a quarter has no stretch
     assert frames.sum(axis=1).max() <= 3 * MAX_STRETCH_FRAMES
     short = damage_stretches(x[:, :8], [(0, 3, 6)], 0.2, rng)
-    assert short.shape == (200, 8, 12) and np.all(np.isfinite(short))
+    assert short.shape == (1000, 8, 12) and np.all(np.isfinite(short))
 
 
 class Drawn:

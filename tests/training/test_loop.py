@@ -71,7 +71,7 @@ def trained(schedule, draw=waves, off=0.0, model=None, engine=lambda model: mode
 
 @pytest.mark.parametrize("name", SCHEDULES)
 def test_both_engines_train_alike(name):
-    ours, losses = trained(SCHEDULES[name])
+    ours, losses = trained(SCHEDULES[name], report=ProgressPrinter())
     fast, fast_losses = trained(SCHEDULES[name], engine=accelerate)
     for stage, values in losses.items():
         np.testing.assert_allclose(fast_losses[stage], values, rtol=1e-4)
