@@ -5,6 +5,7 @@ import os
 import sys
 from pathlib import Path
 from subprocess import PIPE, Popen
+from threading import Lock
 
 import numpy as np
 import pytest
@@ -58,9 +59,12 @@ def forked_grading(tmp_path, monkeypatch, grader):
     """Grade in a process that is forked from one that runs, which saves starting Python."""
     from numpy_cae.verify.grading import student_file
 
+    free = Lock()  # the command grades several files at once
+
     def run(request):
-        print(json.dumps([str(tmp_path), request]), file=grader.stdin, flush=True)
-        return json.loads(grader.stdout.readline())
+        with free:
+            print(json.dumps([str(tmp_path), request]), file=grader.stdin, flush=True)
+            return json.loads(grader.stdout.readline())
 
     monkeypatch.setattr(student_file, "run", run)
 

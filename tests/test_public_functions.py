@@ -30,9 +30,8 @@ def test_importing_loads_nothing_heavy_and_names_are_loaded_when_used():
     code += "; numpy_cae.repair; print(numpy_cae.verify.properties)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("[]\n<")
-    assert {"load", "repair", "ops", "verify"} <= set(dir(numpy_cae)) and "errors" not in dir(
-        numpy_cae
-    )
+    names = {"load", "repair", "ops", "verify"}
+    assert names <= {*dir(numpy_cae)} and "errors" not in dir(numpy_cae)
     with pytest.raises(AttributeError, match="numpy_cae has no 'repiar'"):
         _ = numpy_cae.repiar
 

@@ -18,9 +18,9 @@ from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.copies import find_lessons, number_of, read_notebook, student_copy
 from numpy_cae.course.mine import run
-from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
+from numpy_cae.verify.operations.trial import failure
 from tools.execute_lessons import mine_before
 
 NOTEBOOKS = find_lessons(Path(__file__).parents[2] / "lessons")
@@ -36,21 +36,19 @@ def statements(source: str) -> str:
     return "\n".join(map(ast.unparse, functions))
 
 
-def few(name: str, share: int):
-    tried = EXERCISES[name]
-    some = (replace(p, examples=max(1, p.examples // share)) for p in tried.properties)
-    return replace(tried, properties=tuple(some))
-
-
 @pytest.mark.parametrize("share", [8, pytest.param(1, marks=pytest.mark.lessons)])
 @pytest.mark.parametrize("name", EXERCISES)
 def test_every_exercise_is_solved_in_three_styles(name, share):
+    """By default each style has every other case of a few."""
     styles = [source for source in STYLES if source.startswith(f"def {name}(")]
     assert len(styles) == 2  # the key, the third, is graded in test_lessons
-    for source in styles:
+    few = [replace(p, examples=max(1, p.examples // share)) for p in EXERCISES[name].properties]
+    tried = [(stated, case) for stated in few for case in stated.cases()]
+    for number, source in enumerate(styles):
         space = dict(SPACE)
         exec(source, space)
-        assert holds(few(name, share), space[name]), source
+        part = tried if share == 1 else tried[number::2]
+        assert all(failure(stated, space[name], case) is None for stated, case in part), source
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
@@ -62,8 +60,9 @@ def test_a_lesson_is_solved_with_the_solutions_of_earlier_ones_alone(path):
         key = CATALOGUE[cell["metadata"]["nbgrader"]["grade_id"]].solution
         if key.__module__.startswith("numpy_cae.course.solutions."):
             assert statements(cell["source"]) == statements(inspect.getsource(key))
-    for each in LESSONS[number_of(path)]:
-        assert holds(few(each.name, 24), space[each.name]), each.name
+    for each in LESSONS[number_of(path)]:  # one case of each property uses all names
+        for stated in each.properties:
+            assert failure(stated, space[each.name], stated.cases()[0]) is None, stated
     stubs = filter(is_exercise, student_copy(read_notebook(path))["cells"])
     assert all(stub["source"].count("raise NotImplementedError") == 1 for stub in stubs)
 

@@ -58,7 +58,7 @@ def test_a_right_value_has_its_points_and_earlier_exercises_do_not_matter(
     tanh, earned, tmp_path, forked_grading
 ):
     path = hand_in(tmp_path / "lesson.ipynb", tanh, ENCODE)
-    graded = grade(path, catalogue, lesson="05", seconds=3.0)
+    graded = grade(path, catalogue, lesson="05")
     points = {report.operation: report.points for report in graded.reports}
     assert points["tanh"] == earned and points["encode_layer"] == 20, str(graded)
 
@@ -183,7 +183,7 @@ def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
 
 @pytest.mark.parametrize("system", DATA["systems"])
 def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
-    system, tmp_path, capsys
+    system, tmp_path, capsys, forked_grading
 ):
     export, encoding, names = DATA["systems"][system]
     submitted, table, roster = (tmp_path / name for name in ("in", "marks.csv", "class.csv"))
@@ -222,7 +222,7 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     assert read_roster(tmp_path / "marks.1.csv").students[of_sid]["tanh"] == "excused"
 
 
-def test_an_import_that_would_be_wrong_is_refused_and_says_why(tmp_path, capsys):
+def test_an_import_that_would_be_wrong_is_refused_and_says_why(tmp_path, capsys, forked_grading):
     submitted, roster = tmp_path / "in", tmp_path / "class.csv"
     hand_in(submitted / "ann.ipynb", LOOPS), hand_in(submitted / "bob.ipynb", LOOPS)
     command = ["verify", str(submitted), "--csv", str(tmp_path / "m.csv"), "--feedback"]

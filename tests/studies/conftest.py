@@ -11,19 +11,33 @@ from data_synth import make_take
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import body_of, write_bvh
 from numpy_cae.training import Schedule, Stage
+from studies.shared.damages import DAMAGES
 from studies.shared.material import LabelledTake, Material
 from studies.shared.options import parameters
 
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 SMALL = {
-    "repair_sweep": {"PS": (0.1, 0.5, 0.9)},
-    "damage": {"TAKES": 1, "HOLE_TAKES": 1, "EASED": ("twisted leg",), "HOLES": (15, 45)}
+    "repair_sweep": {"PS": (0.1, 0.5, 0.9), "WINDOWS": 4},
+    "damage": {"TAKES": 1, "HOLE_TAKES": 1, "ONSETS": (0, 2), "HOLES": (15, 45)}
+    | {"DAMAGES": {kind: DAMAGES[kind] for kind in ("twisted leg", "dropped frames", "jitter")}}
     | {"PARTS": {"wrist": (("left_wrist",), 1.0)}},
     "sampling": {"DRAWN": 4},
     "comparison": {"QUERIES": 2, "OF_SCENE": 1, "SECONDS": 3.0, "NEAREST": 2},
     "depth": {"FILTERS": (4, 6, 8), "recipe": lambda name: Schedule(layer=Stage(rate=0.02))},
 }
 """Constants of studies that would take long."""
+
+
+def shrink(patch):
+    for study, constants in SMALL.items():
+        for constant, value in constants.items():
+            patch.setattr(f"studies.{study}.{constant}", value)
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Studies with few of everything."""
+    shrink(monkeypatch)
 
 
 @pytest.fixture(scope="session")
@@ -59,8 +73,7 @@ def result_of(small_manifold, labelled):
     def run(name):
         module = import_module(f"studies.{name}")
         with pytest.MonkeyPatch.context() as patch:
-            for constant, value in SMALL.get(name, {}).items():
-                patch.setattr(module, constant, value)
+            shrink(patch)
             given = {"manifold": small_manifold, "material": labelled, "seed": 0, "epochs": 1}
             result = module.run(**{each: given[each] for each in parameters(module.run)})
             figures = {n: (p, p.draw()) for n, p in result.figures.items()}

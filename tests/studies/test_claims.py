@@ -1,20 +1,15 @@
 """The table of statements, and the studies whose right answer is known."""
 
-from numpy_cae.training import Schedule, Stage
-from studies import claims, comparison
+from studies import claims
 from studies.comparison import EQUATION_4, RAW_EXTREMES
 from studies.shared.result import STATEMENTS, Result
 
 
 def test_both_networks_are_judged_in_the_order_of_the_statements(
-    small_manifold, labelled, tmp_path, monkeypatch
+    small, small_manifold, labelled, tmp_path, monkeypatch
 ):
     small_manifold.save(tmp_path / "model.npz")
     monkeypatch.setattr(claims, "STUDIES", ("comparison", "representation"))
-    monkeypatch.setattr(comparison, "QUERIES", 2)
-    monkeypatch.setattr(claims.depth, "FILTERS", (4, 6, 8))
-    slow = Schedule(layer=Stage(rate=0.02))
-    monkeypatch.setattr(claims.depth, "recipe", lambda name: slow)
     monkeypatch.setattr(claims, "_jang2018", lambda quick, seed: Result("", []))
     files = 2 * [tmp_path / "model.npz"]
     result = claims.run(labelled, 0, *files, quick=True)

@@ -6,12 +6,8 @@ import pytest
 from numpy_cae.evaluation.tables import clips_of
 
 
-@pytest.fixture(scope="module")
-def clips(small_manifold, labelled):
-    return clips_of(small_manifold, [take.positions for take in labelled.testing])
-
-
-def test_the_error_is_in_centimetres(small_manifold, clips, labelled):
+def test_the_error_is_in_centimetres(small_manifold, labelled):
+    clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
     assert clips.error(clips.x) == 0
     off = clips.x.copy()
     off[..., 21:24] += 0.01 * small_manifold.scale[21:24].astype(np.float32)

@@ -115,13 +115,13 @@ def notebook(**sources) -> str:
 
 
 def test_each_exercise_of_a_notebook_counts_whatever_the_others_do(graded):
-    hostile = "def transpose_filters(w):\n    while True: pass\n"
+    hostile = "def transpose_filters(w):\n    import os; os._exit(0)\n"
     content = notebook(
         conv1d_by_loops="def conv1d_by_loops(",
         unfold=f"%time\n{inspect.getsource(unfold)}",
         transpose_filters=hostile,
     )
-    file = graded(content, "week3.ipynb", cpu_seconds=1.0)
+    file = graded(content, "week3.ipynb")
     points = {report.operation: (report.points, report.possible) for report in file.reports}
     assert points["unfold"] == (10, 10)
     assert [points[n][0] for n in ("conv1d_by_loops", "transpose_filters", "conv1d")] == [0, 0, 0]

@@ -1,6 +1,7 @@
-"""The plugin of pytest in a project of its own, and the page about it."""
+"""The plugin of pytest in a project of its own, the page about it, and the guide's test file."""
 
 import configparser
+import os
 import re
 import subprocess
 import sys
@@ -37,16 +38,32 @@ def test_adapters_for_libraries_that_may_be_installed(library):
     assert failing(cube, {"x": "batch channels", "scale": "channels"}) == []
 
 
+def run_pytest(folder, *words):
+    """What pytest prints, in a fresh process without the plugins that take most of its time."""
+    paths = {"PYTHONPATH": os.pathsep.join([str(ROOT), str(folder)]), "OPENBLAS_NUM_THREADS": "1"}
+    environment = {**os.environ, **paths, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    command = [sys.executable, *"-m pytest -q -p no:cacheprovider".split(), *words]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True).stdout.decode()
+
+
+def test_the_test_file_of_the_guide_finds_a_mistake_in_the_gru_beside_it(tmp_path):
+    text = (ROOT / "docs" / "verify.md").read_text(encoding="utf-8")
+    for block in re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+        (tmp_path / block.partition("\n")[0].removeprefix("# ")).write_text(block)
+    source = (tmp_path / "my_gru.py").read_text()
+    (tmp_path / "my_gru.py").write_text(source.replace("1 - n * n", "1 - n"))
+    names = "gru[value]", "network[out_w]", "gru[gradient for w]", "network[w]"
+    output = run_pytest(tmp_path, "--tb=no", *(f"test_my_gru.py::test_{name}" for name in names))
+    assert "2 failed, 2 passed" in output and "test_gru[value]" not in output, output
+    assert "test_gru[gradient for w]" in output and "test_network[w]" in output
+
+
 def test_the_page_for_ones_own_layer_and_a_project_of_its_own(tmp_path):
     for name, block in BLOCKS:
         (tmp_path / name).write_text(block)
     (tmp_path / "test_project.py").write_text((HERE / "plugin_project.txt").read_text())
-    options = "-q -rA -p numpy_cae.pytest_plugin -p no:cacheprovider".split()
-    environment = {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    command = [sys.executable, "-m", "pytest", *options]
-    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    text = ran.stdout
-    assert "9 failed, 41 passed, 7 skipped, 2 xfailed" in text, text + ran.stderr
+    text = run_pytest(tmp_path, "-rA", "-p", "numpy_cae.pytest_plugin")
+    assert "9 failed, 41 passed, 7 skipped, 2 xfailed" in text, text
     assert "FAILED test_project.py::TestLayers::test_static[gradient for scale]" in text
     assert "RuntimeWarning: overflow encountered in exp" in text
     named = re.findall(r"^(test_my_layer.py::.*)$", PAGE, re.MULTILINE)
