@@ -133,7 +133,6 @@ COMPLETED = "mask: completed by the manifold"
 SIMPLE = (PRINCIPAL, LINEAR)
 SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, GAUSSIAN)
 """SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
-HEADER = ("method", "reconstruction", "half removed", "share")
 NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
     "what is left of the damage. PCA has the number of axes that is best for the repair of the "
@@ -162,7 +161,7 @@ def half_removed(
         error = test.error(repaired)
         rows.append([name, test.error(undamaged), error, error / before])
     title = f"{len(testing)} test takes, {len(test)} windows, errors in cm:"
-    return Table(title, HEADER, rows)
+    return Table(title, ["method", "reconstruction", "half removed", "share"], rows)
 
 
 class Repairs:

@@ -141,15 +141,8 @@ def sample(
         y = draw_uniform(hidden_frames, manifold.network.layers[-1].b.size, rng)
     else:
         y = prior.draw(hidden_frames, rng)
-    return decode_units(manifold, y)[:frames]
-
-
-def decode_units(manifold: MotionManifold, y: np.ndarray) -> np.ndarray:
-    """Φ†(Y), the inverse of `hidden_units`: features (stride · len(y), 63).
-
-    The first and the last hidden frame are repeated as padding.
-    """
+    # The inverse of `hidden_units`; the first and the last hidden frame are repeated as padding.
     more = -(-manifold.receptive_radius // manifold.stride)
     padded = np.pad(y, ((more, more), (0, 0)), mode="edge")
     decoded = manifold.denormalise(manifold.network.decode(padded[None])[0])
-    return decoded[more * manifold.stride : (more + len(y)) * manifold.stride]
+    return decoded[more * manifold.stride :][:frames]

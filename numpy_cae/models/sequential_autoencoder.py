@@ -289,7 +289,8 @@ class SequentialAutoencoder:
         gradients : dict of name to array
             In the order of `weights`.
         """
-        require_sequence_arguments(x, prior, self.weights)
+        if len(x) == 0:
+            raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
         z, encode_pullback = self.encode_with_pullback(x)  # (B, latent)
         x_hat, decode_pullback = self.decode_with_pullback(z, x.shape[1])  # (B, T, features)
         reconstruction, error_pullback = ops.mean_squared_error(x_hat, x)
@@ -372,11 +373,3 @@ def require_latent(z: np.ndarray, frames: int, weights: Weights) -> None:
     require_shape("z", z, ("batch", len(weights["state_w"])))
     if frames < 1:
         raise ValueError(f"frames is {frames}, expected at least 1")
-
-
-def require_sequence_arguments(x: np.ndarray, prior: np.ndarray, weights: Weights) -> None:
-    """Raise ValueError unless the arguments of `SequentialAutoencoder.loss_and_gradients` fit."""
-    require_clips("x", x, weights)
-    if len(x) == 0:
-        raise ValueError(f"x has shape {x.shape}: there is nothing to compare")
-    require_shape("prior", prior, (len(x), weights["latent_b"].size))

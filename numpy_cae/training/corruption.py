@@ -116,18 +116,15 @@ def _damage(
     kind = rng.integers(5)
     shift = size * rng.standard_normal(3) * rng.random() * 2
     t = np.linspace(0, 1, where.stop - where.start + 2)[1:-1, None]
+    at_base = x[:, base : base + 3]
     for number, point in enumerate(points, start=1):
         value = x[where, point : point + 3]
         first = x[before, point : point + 3]
-        last = x[after, point : point + 3]
-        if kind == 0:
-            value[...] = 0
-        elif kind == 1:
-            value[...] = first.copy()
-        elif kind == 2:
-            at_base = x[:, base : base + 3]
-            value[...] = at_base[where] + (first - at_base[before])
-        elif kind == 3:
-            value[...] = (1 - t) * first + t * last
-        else:
-            value += (shift * number / len(points)).astype(x.dtype)
+        kinds = (
+            np.zeros(3),
+            first,
+            at_base[where] + (first - at_base[before]),
+            (1 - t) * first + t * x[after, point : point + 3],
+            value + (shift * number / len(points)).astype(x.dtype),
+        )
+        value[...] = kinds[kind]

@@ -249,10 +249,6 @@ class Checkpoint:
         self.position = f" ({state.name}, {done})"
         self.last = time.monotonic()
 
-    def remove(self) -> None:
-        """Remove the file: the training has ended and its model is saved."""
-        self.path.unlink(missing_ok=True)
-
     def status(self) -> str:
         """Where the last good state is, for a message."""
         if not self.path.exists():

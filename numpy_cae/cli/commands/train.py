@@ -94,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
         manifold, source, measure = learn(args, settings)
         manifold.settings["test"] = args.test
         manifold.save(args.output, **{"half": True} if args.recipe == "starter" else {})
-        checkpoint.remove()
+        checkpoint.path.unlink(missing_ok=True)
     picture = args.output.with_suffix(".png")
     viz.save_figure(viz.losses_figure(manifold.settings["losses"]), picture)
     hint = "" if args.test else "; no error is measured without --test"
