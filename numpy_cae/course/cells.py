@@ -1,21 +1,34 @@
-"""What the cells of a notebook call: reports on a student's functions, and what comes after."""
+"""What the cells of a notebook call: reports on a student's functions, and what comes after.
+
+A notebook shows a report in colours, the rest folded, and what the function printed.
+"""
 
 from __future__ import annotations
 
+import io
 import os
+import re
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.exercises.exercise import MAKES, with_hint
-from numpy_cae.course.feedback import Feedback, Printed
-from numpy_cae.course.mine import FILE, NotSavedError, run, save, stand_in
-from numpy_cae.verify.grading.report import holds
+from numpy_cae.course.mine import FILE, NotSavedError, run, save, stand_in, unsolved
+from numpy_cae.verify.grading.report import Report, holds
 from numpy_cae.verify.grading.report import report as report_on
 from numpy_cae.verify.operations.catalogue import example as example_of
 from numpy_cae.verify.operations.catalogue import find_exercise
+
+MOST_LINES = 10
+LONGEST_KEPT = 4000
+"""MOST_LINES: what a function prints is shown so far; it is tested with hundreds of arrays."""
+RIGHT, WRONG, OPEN = "#1b7a3d", "#b3261e", "#5f6368"
+TITLE = '<b style="background:{};color:white;border-radius:3px;padding:0 .4em">{}</b>'
+TEXT = '<pre style="white-space:pre-wrap;margin:.2em 0">{}</pre>'
+FOLDED = "<details><summary>{}</summary>{}</details>"
 
 
 def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
@@ -39,9 +52,8 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
     if hasattr(function, "stands_in"):
         called = name
         function = function.tried
-        if function is None:
+        if function is unsolved:
             print(f"{name} is the package's own now: run the cell with your function again first")
-            function = _unsolved
     if os.environ.get("NBGRADER_EXECUTION"):
         with redirect_stdout(Printed()), redirect_stderr(Printed()):  # it would give 0 points
             tested = report_on(exercise, function, called=called)
@@ -101,5 +113,49 @@ def progress() -> None:
         print(f"Next: {MAKES[after]} (lesson {after}).")
 
 
-def _unsolved(*arguments):
-    raise NotImplementedError
+class Printed(io.TextIOBase):
+    """A stream that keeps the beginning of what is printed and counts the lines."""
+
+    def __init__(self) -> None:
+        self.kept = ""
+        self.lines = 0
+
+    def write(self, text: str) -> int:
+        self.kept = (self.kept + text)[:LONGEST_KEPT]
+        self.lines += text.count("\n")
+        return len(text)
+
+    def __str__(self) -> str:
+        first = self.kept.splitlines()[:MOST_LINES]
+        more = self.lines - len(first)
+        tail = [f"... {more} more lines: your function is called many times"] * (more > 0)
+        return "".join(f"{line}\n" for line in first + tail)
+
+
+class Feedback(Report):
+    """A report as a notebook shows it."""
+
+    def __str__(self) -> str:
+        return super().__str__().replace(' example("', ' course.example("')
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        title, *items = re.split(r"\n(?=  \S)", str(self))
+        colour = RIGHT if self.held else OPEN if self.unsolved else WRONG
+        title = TITLE.format(colour, escape(" ".join(title.split())))
+        if self.held:
+            statements = (f"{o.stated.name}: {o.stated.statement}" for o in self.outcomes)
+            return title + FOLDED.format("what was checked", _text("\n".join(statements)))
+        hints = [_text(items.pop())] if self.exercise.hint else []
+        first, *others = items
+        more = FOLDED.format("other properties, points", _text("\n".join(others)))
+        return "".join([title, _text(first), more, *hints])
+
+    def __dir__(self) -> list[str]:
+        """What tab completion offers: the exercise, with its solution, is not among it."""
+        return ["held", "points", "possible"]
+
+
+def _text(text: str) -> str:
+    return TEXT.format(escape(text))

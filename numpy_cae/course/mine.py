@@ -40,7 +40,12 @@ class NotSavedError(NumpyCaeError):
     """A function that cannot be written to mine.py; the message says why."""
 
 
-def stand_in(name: str, tried: Callable | None = None) -> Callable:
+def unsolved(*arguments):
+    """What is tested in place of a function that a student has not written."""
+    raise NotImplementedError
+
+
+def stand_in(name: str, tried: Callable = unsolved) -> Callable:
     """The package's own function, with a mark by which a check tells it from the student's.
 
     `tried` is the student's last one: `course.report` shows hints for it.

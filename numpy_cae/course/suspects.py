@@ -44,17 +44,16 @@ class Suspect:
         return f"not yet: {objection}" if objection else self._bug.sentence
 
 
-_ACCUSED = tuple(
-    bug_named(name)
+SUSPECTS = tuple(
+    Suspect(bug_named(name))
     for name in (
         "conv_without_flip arctanh_gradient_beyond_bound conv_bias_not_over_windows "
         "step_biases_alike gru_first_state_dropped conv_accumulates"
     ).split()
 )
-SUSPECTS = tuple(map(Suspect, _ACCUSED))
 """The bugs to be found by reading, the first one being suspect 1."""
 
 
 def accuse(suspect):
     """The property that suspect 1, 2, ... violates."""
-    return _ACCUSED[suspect - 1].caught_by
+    return SUSPECTS[suspect - 1]._bug.caught_by

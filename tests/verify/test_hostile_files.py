@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course.solutions.lesson_03 import unfold
+from numpy_cae.course.solutions.building_blocks import unfold
 from numpy_cae.verify.grading import student_file as grading
 from numpy_cae.verify.grading.submission import read_submission
 

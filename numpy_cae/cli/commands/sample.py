@@ -62,14 +62,13 @@ def _draw(
     args: argparse.Namespace, manifold: MotionManifold, rng: np.random.Generator
 ) -> list[Motion]:
     """Draw motions from a convolutional model, in the rig of --like if given."""
-    reading = arguments.reading(args)
     prior = None  # uniform
     if args.data:
         bodies = files.bodies(args, list(files.named_files(args.data)))
         encoded = [manifold.features(positions)[0] for _, positions in bodies]
         prior = NeighbourPrior(encode_windows(manifold, encoded))
     frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
-    like = load_body(args.like, **reading)[1] if args.like else None
+    like = load_body(args.like, **arguments.reading(args))[1] if args.like else None
     drawn = [sample(manifold, frames, rng, prior) for _ in range(args.number)]
     if like:
         body = Body(hold_first_pose(like, frames), manifold.lengths)

@@ -25,7 +25,6 @@ from numpy_cae.mocap.load import FileMotion, load_motion
 from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.repair import repaired as report
-from numpy_cae.repair.repaired import count
 from numpy_cae.visible import visible
 from numpy_cae.viz import before_and_after, save_viewer, strip_svg
 from numpy_cae.viz.viewer import page_text
@@ -35,12 +34,11 @@ class Row(NamedTuple):
     """What became of one file, for its line in the terminal and its row in the index.
 
     The numbers are: findings, seconds that were changed, seconds, frames with a jump before and
-    after; `said` are these in words.
+    after.
     """
 
     source: Path
     numbers: tuple[float, ...]
-    said: str
     status: int
     page: Path | None = None
     strip: str = ""
@@ -64,9 +62,9 @@ def write_index(page: Path, rows: Sequence[Row]) -> None:
         if row.page:
             address = os.fsencode(row.page.relative_to(page.parent).as_posix())
             name = f'<a href="{urllib.parse.quote(address)}">{name}</a>'
-        said = "".join(f"<td>{escape(cell)}</td>" for cell in row.said.split(", "))
+        said = "".join(f"<td>{escape(cell)}</td>" for cell in in_words(row.numbers).split(", "))
         lines.append(f"<tr><th scope=row>{name}</th><td>{row.strip}</td>{said}</tr>")
-    title = f"{count(len(rows), 'file')}: before and after"
+    title = f"{report.count(len(rows), 'file')}: before and after"
     text = Template(page_text("index.html")).substitute(title=title, rows="\n".join(lines))
     with atomic_write(page) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -194,7 +192,7 @@ def _changed(
         for path, content in written.items():
             print(f"{path}: {content}")
     else:
-        print(f"{source}: {row.said}")
+        print(f"{source}: {in_words(row.numbers)}")
     return row
 
 
@@ -202,7 +200,7 @@ def _row(source: Path, repaired: Repaired, values: report.Measures, status: int)
     motion = repaired.motion
     changed = np.count_nonzero(repaired.touched.any(axis=1)) / motion.rate
     numbers = (len(repaired.findings), changed, motion.seconds, *values[0][1:])
-    return Row(source, numbers, in_words(numbers), status)
+    return Row(source, numbers, status)
 
 
 def in_words(numbers: Sequence[float]) -> str:

@@ -20,9 +20,8 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae.course.exercises.checks import Recorded
-from numpy_cae.course.solutions.lesson_02 import to_features
-from numpy_cae.course.solutions.lesson_11 import unit_rows
-from numpy_cae.course.solutions.lesson_13 import block_matrices
+from numpy_cae.course.solutions.building_blocks import to_features
+from numpy_cae.course.solutions.second_paper import block_matrices, unit_rows
 from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import OPERATIONS, shape_of

@@ -32,19 +32,19 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from importlib import import_module
 from pathlib import Path
 
 from numpy_cae import ops
 from numpy_cae.course.exercises import arguments, checks
 from numpy_cae.course.exercises.own_checks import CHECKS
+from numpy_cae.course.solutions import building_blocks, first_paper, second_paper
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation, sizes_of
 from numpy_cae.verify.operations.property import GRADIENT, REST, VALUE, Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
 FOLDER = Path(__file__).parent
-SOLUTIONS = "numpy_cae.course.solutions"
+SOLUTIONS = vars(building_blocks) | vars(first_paper) | vars(second_paper)
 TABLES = {
     path.stem.removeprefix("lesson_"): tomllib.loads(path.read_text(encoding="utf-8"))
     for path in sorted(FOLDER.glob("*.toml"))
@@ -86,11 +86,10 @@ def with_hint(exercise: Exercise, stage: int) -> Exercise:
 
 def exercises_of(number: str) -> tuple[Exercise, ...]:
     """The exercises of a lesson."""
-    solutions = import_module(f"{SOLUTIONS}.lesson_{number}")
     every = []
     for name, entries in TABLES[number].items():
         is_stated = "arguments" in entries or "like" in entries
-        solution = getattr(solutions if is_stated else ops, name)
+        solution = SOLUTIONS[name] if is_stated else getattr(ops, name)
         stated = _properties(solution, entries) if is_stated else properties_of_operation(name)
         every.append(Exercise(name, solution, tuple(stated), given=_words(entries, "given")))
     return tuple(every)

@@ -28,8 +28,6 @@ SIZES = {"batch": 2, "frames": 4, "taps": 3, "axes": 2} | dict.fromkeys(
 )
 """As many channels as filters, so that a missing transpose shows only in the numbers."""
 TINY = 1e-6
-Checked = tuple[Callable, dict[str, np.ndarray]]
-"""A function and its inputs by name: the arguments of `check_gradients`."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +38,11 @@ class Trial:
     bug: Patch | None = None
     scale: float = 1.0
 
-    def arguments(self, seed: int) -> Checked:
-        """f and its inputs; f closes over the arguments that get no gradient."""
+    def arguments(self, seed: int) -> dict[str, object]:
+        """The arguments of `check_gradients`: f, and its inputs by name.
+
+        f closes over the arguments that get no gradient.
+        """
         implementation = self.bug.function() if self.bug else right_operation(self.operation)
         stated = OPERATIONS[self.operation]
         sizes = tuple((name, SIZES[name]) for name in stated.sizes if name in SIZES)
@@ -55,12 +56,12 @@ class Trial:
         def f(*values):
             return implementation(*(arguments | dict(zip(inputs, values, strict=True))).values())
 
-        return f, inputs
+        return {"f": f, "inputs": inputs}
 
     def verdict(self, check_gradients: Callable, seed: int) -> str:
         """The message with which a wrong operation is refused; an error if the check is wrong."""
         try:
-            check_gradients(*self.arguments(seed))
+            check_gradients(*self.arguments(seed).values())
         except AssertionError as error:
             if self.bug:
                 return str(error)
@@ -107,8 +108,8 @@ TRAPS = {
 """Functions of an array with a gradient that a check with a certain mistake takes for right."""
 
 
-def _trap(value: Callable, gradient: Callable, seed: int) -> Checked:
-    return lambda x: (value(x), lambda dy: gradient(x, dy)), {"x": AT.copy()}
+def _trap(value: Callable, gradient: Callable, seed: int) -> dict[str, object]:
+    return {"f": lambda x: (value(x), partial(gradient, x)), "inputs": {"x": AT.copy()}}
 
 
 QUICK = trials_of((*GROUPS["activations"], *GROUPS["losses"], *GROUPS["tied weights"]))
@@ -121,9 +122,7 @@ VERDICTS = Property(
     lambda *given: None,
     sizes={"function": tuple(TRIED)},
     operation="check_gradients",
-    arguments=lambda case: dict(
-        zip(("f", "inputs"), TRIED[case["function"]](case.seed), strict=True)
-    ),
+    arguments=lambda case: TRIED[case["function"]](case.seed),
     combined=("function",),
 )
 """All that `check_gradients` is tried with: what it refuses shows its mistake."""

@@ -9,9 +9,8 @@ import numpy as np
 from numpy_cae.course.exercises.arguments import Matrix, headings
 from numpy_cae.course.exercises.checks import PULLBACK, on_copies, require_parts, require_same
 from numpy_cae.course.exercises.gradient_trials import NAMED, REQUIRED, Trial
-from numpy_cae.course.solutions.lesson_01 import chain_to_root
-from numpy_cae.course.solutions.lesson_02 import from_features
-from numpy_cae.course.solutions.lesson_14 import observed_error
+from numpy_cae.course.solutions.building_blocks import chain_to_root, from_features
+from numpy_cae.course.solutions.second_paper import observed_error
 from numpy_cae.course.suspects import SUSPECTS
 from numpy_cae.verify.operations.case import spread
 from numpy_cae.verify.operations.property import agrees, require_equal
@@ -186,7 +185,7 @@ def _names_the_input(check_gradients, case, seed):
 
 @checks("check_gradients", "inputs stay", copied=False)
 def _inputs_stay(check_gradients, case, seed):
-    f, inputs = Trial("conv1d").arguments(seed)
+    f, inputs = Trial("conv1d").arguments(seed).values()
     before = {name: x.copy() for name, x in inputs.items()}
     check_gradients(f, inputs)
     for name, x in before.items():

@@ -1,11 +1,16 @@
-"""The marks of a class: tables of them, a file that Moodle and Canvas import, and feedback."""
+"""The marks of a class: tables of them, a file that Moodle and Canvas import, and feedback.
 
+Pairs of submissions that are alike after renaming are listed as a sign to look at them.
+"""
+
+import ast
 import math
 import os
 import re
 import textwrap
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import combinations
 from pathlib import Path
 from shutil import copyfile
 
@@ -13,10 +18,9 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
 from numpy_cae.course.marks.handed_in import HandedIn
 from numpy_cae.course.marks.roster import Roster, decoded, match, read_roster, squashed
-from numpy_cae.course.marks.similar import similar_pairs
 from numpy_cae.verify.grading.report import Report
 from numpy_cae.verify.grading.student_file import FileReport
-from numpy_cae.verify.grading.submission import read_submission
+from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.visible import csv_cell, visible
 
 LONGEST_NAME = 50
@@ -27,6 +31,15 @@ MAXIMUM = "maximum"
 NOTHING = "nothing handed in"
 NOBODY = Roster((), {}, (), "utf-8", ",")
 """NOBODY: a roster without students, and the form in which tables are written."""
+LONG = 6
+"""LONG: runs of so many parts of the syntax are compared."""
+LEAST_SHARE = 0.6
+"""LEAST_SHARE: a pair is listed if it shares this part of what is not common to the class."""
+LEAST_RUNS = 20
+"""LEAST_RUNS: a pair with less to compare is not listed: a short answer has few forms."""
+COMMON = 0.1
+"""COMMON: a run in more than this part of the submissions, and in more than `FEW`, is common."""
+FEW = 4
 Row = dict[str, str | int | float]
 Reports = Mapping[str, Sequence[FileReport]]
 """The reports on the files of each student, by name."""
@@ -86,10 +99,11 @@ class ClassMarks:
         if 2 * empty > len(students):
             raise ValueError(f"{imported} is not written: {empty} rows of the roster have no marks")
         lessons = [name for name in table[0] if name.startswith("lesson ")]
-        marks = {
-            row["student"]: {name.capitalize(): str(row[name] or 0) for name in lessons}
-            for row in table
-        }
+
+        def points_of(row: Row) -> dict[str, str]:
+            return {name.capitalize(): str(row[name] or 0) for name in lessons}
+
+        marks = {row["student"]: points_of(row) for row in table}
         points = {student: marks[csv_cell(student)] for student in students}
         if students:  # an empty cell counts 0 there
             self.roster.write_with(imported, points, marks[MAXIMUM])
@@ -236,3 +250,41 @@ def _statistics(reports: Sequence[Mapping[str, Report]]) -> list[dict]:
             row |= {"possible": CATALOGUE[name].points, "property": stated.name}
             rows.append(row | {"failed": failed[stated.name]})
     return sorted(rows, key=lambda row: -row["failed"])
+
+
+def similar_pairs(submissions: Mapping[str, Sequence[Submission]]) -> list[tuple[float, str, str]]:
+    """The pairs of students whose functions are alike, each with the share, most alike first.
+
+    Names, comments, docstrings, numbers and the layout do not count.
+    """
+    runs = {student: set(_runs(files)) for student, files in submissions.items()}
+    counts = Counter(run for each in runs.values() for run in each)
+    most = max(FEW, COMMON * len(runs))
+    rare = {student: {r for r in each if counts[r] <= most} for student, each in runs.items()}
+    pairs = []
+    for one, other in combinations(rare, 2):
+        union = len(rare[one] | rare[other])
+        share = len(rare[one] & rare[other]) / max(union, LEAST_RUNS)
+        if share >= LEAST_SHARE:
+            pairs.append((share, one, other))
+    return sorted(pairs, reverse=True)
+
+
+def _runs(files: Sequence[Submission]) -> Iterator[tuple[str, ...]]:
+    for file in files:
+        for _, source in file.cells:
+            try:
+                tree = ast.parse(source)
+            except (SyntaxError, ValueError, RecursionError, MemoryError):
+                continue
+            for function in ast.walk(tree):
+                if isinstance(function, ast.FunctionDef):
+                    parts = list(_parts(function))
+                    yield from zip(*(parts[n:] for n in range(LONG)), strict=False)
+
+
+def _parts(function: ast.FunctionDef) -> Iterator[str]:
+    """The types of the syntax of a function, in their order, and the names of attributes."""
+    for node in ast.walk(function):
+        if not isinstance(node, ast.Load | ast.Store | ast.Constant | ast.arg | ast.Name):
+            yield type(node).__name__ + getattr(node, "attr", "")
