@@ -163,7 +163,9 @@ def _changed(
     again = command_of(args, source, target or Path("fixed.bvh")) + " --html" * args.html
     said = report.sentences(repaired, again * advised) + [TRY] * (status == UNLIKE)
     values = report.measures(motion, repaired.motion)
-    row = _row(source, repaired, values, status)
+    changed = np.count_nonzero(repaired.touched.any(axis=1)) / motion.rate
+    numbers = (len(repaired.findings), changed, repaired.motion.seconds, *values[0][1:])
+    row = Row(source, numbers, status)
     if args.command == "fill":  # without its number of findings
         said = said[1:]
         values = [each for each in values if round(each[1], 1) != round(each[2], 1)]
@@ -194,13 +196,6 @@ def _changed(
     else:
         print(f"{source}: {in_words(row.numbers)}")
     return row
-
-
-def _row(source: Path, repaired: Repaired, values: report.Measures, status: int) -> Row:
-    motion = repaired.motion
-    changed = np.count_nonzero(repaired.touched.any(axis=1)) / motion.rate
-    numbers = (len(repaired.findings), changed, motion.seconds, *values[0][1:])
-    return Row(source, numbers, status)
 
 
 def in_words(numbers: Sequence[float]) -> str:
