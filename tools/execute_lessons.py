@@ -17,6 +17,7 @@ import tempfile
 from pathlib import Path
 
 from numpy_cae.course.catalogue import EXERCISES
+from numpy_cae.course.cells import EMPTY, FILE, with_definitions
 from numpy_cae.course.copies import (
     MILESTONES,
     PACKAGED,
@@ -26,7 +27,6 @@ from numpy_cae.course.copies import (
     student_copy,
     write_notebook,
 )
-from numpy_cae.course.mine import EMPTY, FILE, with_definitions
 from numpy_cae.verify.grading.submission import is_exercise
 
 ROOT = Path(__file__).parents[1]

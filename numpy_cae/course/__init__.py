@@ -5,8 +5,7 @@ is made from it. `load_mine`, `report`, `solved`, `progress` and `example` are f
 notebook.
 """
 
-from numpy_cae.course.cells import example, progress, report, solved
-from numpy_cae.course.mine import load_mine
+from numpy_cae.course.cells import example, load_mine, progress, report, solved
 
 __all__ = ["example", "load_mine", "progress", "report", "solved"]
 

@@ -1,34 +1,52 @@
-"""What the cells of a notebook call: reports on a student's functions, and what comes after.
+"""What the cells of a notebook call: reports on a student's functions, and `mine.py`.
 
-A notebook shows a report in colours, the rest folded, and what the function printed.
+`mine.py`, in the folder of the notebooks, has a student's solved functions, for later lessons.
+
+    course.load_mine()
+    from mine import conv1d, max_pool
+
+The first line runs the file `mine.py` and makes the module `mine` of it. The second line imports
+the student's functions; for those that `mine.py` lacks, it imports the package's own.
 """
 
-from __future__ import annotations
-
-import io
+import ast
+import linecache
 import os
-import re
+import sys
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
-from html import escape
+from functools import wraps
+from inspect import signature
 from pathlib import Path
+from types import ModuleType
 
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.exercises.exercise import MAKES, with_hint
-from numpy_cae.course.mine import FILE, NotSavedError, run, save, stand_in, unsolved
-from numpy_cae.verify.grading.report import Report, holds
+from numpy_cae.course.feedback import Feedback, Printed
+from numpy_cae.errors import NumpyCaeError
+from numpy_cae.verify.checks.mismatch import error_text, file_of
+from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.report import report as report_on
+from numpy_cae.verify.grading.submission import MAGIC
 from numpy_cae.verify.operations.catalogue import example as example_of
 from numpy_cae.verify.operations.catalogue import find_exercise
+from numpy_cae.verify.operations.trial import try_property
 
-MOST_LINES = 10
-LONGEST_KEPT = 4000
-"""MOST_LINES: what a function prints is shown so far; it is tested with hundreds of arrays."""
-RIGHT, WRONG, OPEN = "#1b7a3d", "#b3261e", "#5f6368"
-TITLE = '<b style="background:{};color:white;border-radius:3px;padding:0 .4em">{}</b>'
-TEXT = '<pre style="white-space:pre-wrap;margin:.2em 0">{}</pre>'
-FOLDED = "<details><summary>{}</summary>{}</details>"
+FILE = "mine.py"
+IMPORTS = (ast.Import, ast.ImportFrom)
+EMPTY = '''"""My functions. course.solved() writes a function here when all its properties hold.
+
+In a lesson, after course.load_mine():    from mine import conv1d
+"""
+
+import numpy as np
+'''
+
+
+class NotSavedError(NumpyCaeError):
+    """A function that cannot be written to mine.py; the message says why."""
 
 
 def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
@@ -103,7 +121,7 @@ def progress() -> None:
     """Print how many functions mine.py has, what the finished lessons make, and what is next."""
     mine: set[str] = set()
     with suppress(FileNotFoundError, NotSavedError, UnicodeDecodeError):
-        mine = set(run(Path(FILE).read_text(encoding="utf-8"))) & set(EXERCISES)
+        mine = set(run_mine(Path(FILE).read_text(encoding="utf-8"))) & set(EXERCISES)
     missing = {n: {task.name for task in tasks} - mine for n, tasks in LESSONS.items()}
     made = [MAKES[number] for number, names in missing.items() if not names]
     print(f"{len(mine)} of {len(EXERCISES)} functions are yours")
@@ -113,49 +131,129 @@ def progress() -> None:
         print(f"Next: {MAKES[after]} (lesson {after}).")
 
 
-class Printed(io.TextIOBase):
-    """A stream that keeps the beginning of what is printed and counts the lines."""
-
-    def __init__(self) -> None:
-        self.kept = ""
-        self.lines = 0
-
-    def write(self, text: str) -> int:
-        self.kept = (self.kept + text)[:LONGEST_KEPT]
-        self.lines += text.count("\n")
-        return len(text)
-
-    def __str__(self) -> str:
-        first = self.kept.splitlines()[:MOST_LINES]
-        more = self.lines - len(first)
-        tail = [f"... {more} more lines: your function is called many times"] * (more > 0)
-        return "".join(f"{line}\n" for line in first + tail)
+def unsolved(*arguments):
+    """What is tested in place of a function that a student has not written."""
+    raise NotImplementedError
 
 
-class Feedback(Report):
-    """A report as a notebook shows it."""
+def stand_in(name: str, tried: Callable = unsolved) -> Callable:
+    """The package's own function, with a mark by which a check tells it from the student's.
 
-    def __str__(self) -> str:
-        return super().__str__().replace(' example("', ' course.example("')
+    `tried` is the student's last one: `course.report` shows hints for it.
+    """
+    solution = CATALOGUE[name].solution
 
-    __repr__ = __str__
+    @wraps(solution)
+    def standing_in(*arguments, **named):
+        return solution(*arguments, **named)
 
-    def _repr_html_(self) -> str:
-        title, *items = re.split(r"\n(?=  \S)", str(self))
-        colour = RIGHT if self.held else OPEN if self.unsolved else WRONG
-        title = TITLE.format(colour, escape(" ".join(title.split())))
-        if self.held:
-            statements = (f"{o.stated.name}: {o.stated.statement}" for o in self.outcomes)
-            return title + FOLDED.format("what was checked", _text("\n".join(statements)))
-        hints = [_text(items.pop())] if self.exercise.hint else []
-        first, *others = items
-        more = FOLDED.format("other properties, points", _text("\n".join(others)))
-        return "".join([title, _text(first), more, *hints])
-
-    def __dir__(self) -> list[str]:
-        """What tab completion offers: the exercise, with its solution, is not among it."""
-        return ["held", "points", "possible"]
+    del standing_in.__wrapped__  # `name??` in a notebook would show the solution
+    standing_in.__signature__ = signature(solution)
+    standing_in.__name__ = name
+    standing_in.stands_in = True
+    standing_in.tried = tried
+    return standing_in
 
 
-def _text(text: str) -> str:
-    return TEXT.format(escape(text))
+def save(name: str, function: Callable) -> bool:
+    """Write a function, with all that its cell defines, to the mine.py of the current folder.
+
+    Returns False if there is no mine.py, or while nbgrader runs the notebook. Raises a
+    NotSavedError if mine.py cannot be run, or if the function needs more than its cell defines.
+    """
+    if not Path(FILE).is_file() or os.environ.get("NBGRADER_EXECUTION"):
+        return False
+    before = Path(FILE).read_text(encoding="utf-8")
+    run_mine(before)
+    cell = "".join(linecache.getlines(file_of(function)))  # IPython has a file name for each cell
+    after = with_definitions(before, MAGIC.sub("pass", cell))
+    saved = run_mine(after).get(name)
+    if saved is None:
+        raise NotSavedError(f"no def {name} was found")
+    first = replace(EXERCISES[name].properties[0], examples=1)
+    outcome = try_property(first, saved, shrink=False)
+    if not outcome.held:
+        problem, _, _ = outcome.problem.partition(" (line")
+        raise NotSavedError(f"{problem}. Define what it needs in its own cell")
+    with atomic_write(FILE) as temporary:
+        temporary.write_text(after, encoding="utf-8")
+    if "mine" in sys.modules:
+        load_mine()
+    return True
+
+
+def load_mine() -> None:
+    """Make the module `mine` of the file mine.py in the current folder.
+
+    All functions are the package's own if there is no mine.py, if mine.py cannot be run, or while
+    nbgrader runs the notebook, since marks do not depend on earlier lessons. In the first two cases
+    this is printed. The name of a function that is imported and not in mine.py is printed, too.
+    """
+    module = ModuleType("mine")
+    usable = False
+    if not os.environ.get("NBGRADER_EXECUTION"):
+        try:
+            vars(module).update(run_mine(Path(FILE).read_text(encoding="utf-8")))
+            usable = True
+        except FileNotFoundError:
+            print(f"There is no {FILE} in this folder: the package's own functions are used.")
+        except (NotSavedError, UnicodeDecodeError) as error:
+            print(f"{error}\nUntil this is repaired, the package's own functions are used.")
+
+    def package_own(name: str) -> Callable:
+        if name not in CATALOGUE:
+            raise AttributeError(f"no operation or exercise is called {name!r}")
+        if usable:
+            print(f"{name} is not in {FILE} yet: the package's own is used.")
+        return stand_in(name)
+
+    module.__getattr__ = package_own  # called for a name that the module lacks
+    sys.modules["mine"] = module
+
+
+def with_definitions(text: str, cell: str) -> str:
+    """The text of mine.py with the definitions of a cell at the end, which replace older ones."""
+    lines = text.splitlines()
+    statements = ast.parse(text).body
+    imported = {ast.unparse(node) for node in statements if isinstance(node, IMPORTS)}
+    lessons = {ast.unparse(n) for n in ast.parse(cell).body if getattr(n, "module", "") == "mine"}
+    added = [n for n in ast.parse(cell).body if ast.unparse(n) not in imported | lessons]
+    names = set().union(*map(_names, added))
+    for node in reversed(statements):
+        if _names(node) & names:
+            del lines[_first(node) - 1 : node.end_lineno]
+    sources = [_source(n, cell) for n in added if isinstance(n, IMPORTS) or _names(n)]
+    kept = "\n".join(lines).rstrip()
+    return "\n\n\n".join([kept, *sources]) + "\n"
+
+
+def run_mine(text: str) -> dict[str, object]:
+    """What the text of mine.py defines; a NotSavedError names a line that cannot be run."""
+    space = {name: stand_in(name) for name in CATALOGUE}
+    space |= {"__name__": "mine", "__file__": FILE}
+    try:
+        exec(compile(text, FILE, "exec"), space)
+    except Exception as error:
+        raise NotSavedError(f"{FILE} cannot be run: {error_text(error, FILE)}") from None
+    return {name: v for name, v in space.items() if not hasattr(v, "stands_in")}
+
+
+def _names(node: ast.stmt) -> set[str]:
+    """The names of a function, a class or constants; of any other statement, none."""
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        return {node.name}
+    if isinstance(node, ast.Assign) and all(isinstance(t, ast.Name) for t in node.targets):
+        try:
+            ast.literal_eval(node.value)
+        except (ValueError, TypeError):
+            return set()
+        return {target.id for target in node.targets}
+    return set()
+
+
+def _first(node: ast.stmt) -> int:
+    return min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", ()))])
+
+
+def _source(node: ast.stmt, text: str) -> str:
+    return "\n".join(text.splitlines()[_first(node) - 1 : node.end_lineno])

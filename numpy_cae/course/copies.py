@@ -13,7 +13,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.mine import EMPTY, FILE
+from numpy_cae.course.cells import EMPTY, FILE
 from numpy_cae.verify.grading.submission import is_exercise
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from numpy_cae import course, ops
-from numpy_cae.course import mine
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
+from numpy_cae.course.cells import stand_in as stand_in_for
 from numpy_cae.course.exercises.exercise import hints_of, with_hint
 from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
@@ -104,7 +104,7 @@ def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
     replaced = course.solved("square", lambda x: (x * x, lambda dy: 2 * dy))
     assert "the package's own" in capsys.readouterr().out
     assert "hint: a pullback takes" in str(course.report("square", replaced, hint=1))
-    stand_in = mine.stand_in("conv1d")
+    stand_in = stand_in_for("conv1d")
     report = course.report("conv1d", stand_in)
     assert report.unsolved and report.points == 0
     assert "run the cell with your function again first" in capsys.readouterr().out

@@ -16,8 +16,8 @@ from test_grading_and_marks import DATA, hand_in
 
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
+from numpy_cae.course.cells import run_mine
 from numpy_cae.course.copies import find_lessons, number_of, read_notebook, student_copy
-from numpy_cae.course.mine import run
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
 from numpy_cae.verify.operations.trial import failure
@@ -54,7 +54,7 @@ def test_every_exercise_is_solved_in_three_styles(name, share):
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_lesson_is_solved_with_the_solutions_of_earlier_ones_alone(path):
     space = {"np": np, **{n: o.solution for n, o in CATALOGUE.items() if n not in EXERCISES}}
-    space |= run(mine_before(path))
+    space |= run_mine(mine_before(path))
     for cell in filter(is_exercise, read_notebook(path)["cells"]):
         exec(cell["source"], space)
         key = CATALOGUE[cell["metadata"]["nbgrader"]["grade_id"]].solution

@@ -10,7 +10,7 @@ import pytest
 from acclaim_files import FILES
 
 from numpy_cae import course
-from numpy_cae.course.mine import EMPTY, with_definitions
+from numpy_cae.course.cells import EMPTY, with_definitions
 from tools.execute_lessons import mine_before
 
 CELL = (FILES / "cell_of_mine.txt").read_text()

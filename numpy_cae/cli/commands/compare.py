@@ -13,7 +13,7 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import files
-from numpy_cae.manifold import MotionManifold, distance_matrix, hidden_units, signature
+from numpy_cae.manifold import distance_matrix, hidden_units, signature
 from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
 
@@ -30,7 +30,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compute, print and write the distances."""
     manifold = files.load_model(args)
-    names, distances = _distances(args, manifold)
+    below = files.named_files(args.motions)
+    is_unique = len(set(below.values())) == len(below)
+    name_of = {path: name.as_posix() if is_unique else str(path) for path, name in below.items()}
+    names = []
+    signatures = []
+    for path, positions in files.bodies(args, list(name_of), strict=len(name_of) == 2):
+        names.append(visible(name_of[path]))
+        features = manifold.features(positions)[0]
+        signatures.append(signature(hidden_units(manifold, features)))
+    if len(names) < 2:
+        raise ValueError(f"{names[0]}: one motion alone, name another to compare it with")
+    distances = distance_matrix(signatures)
     others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
     nearest = [names[n] for n in others.argmin(axis=1)]
     for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
@@ -43,22 +54,6 @@ def run(args: argparse.Namespace) -> int:
         save_figure(matrix_figure(np.sqrt(distances), names, "√G", title), args.picture)
         print(f"{args.picture}: √G of {len(names)} motions")
     return 0
-
-
-def _distances(args: argparse.Namespace, manifold: MotionManifold) -> tuple[list[str], np.ndarray]:
-    """The names of the motions that can be used, and G between every two."""
-    below = files.named_files(args.motions)
-    is_unique = len(set(below.values())) == len(below)
-    name_of = {path: name.as_posix() if is_unique else str(path) for path, name in below.items()}
-    names = []
-    signatures = []
-    for path, positions in files.bodies(args, list(name_of), strict=len(name_of) == 2):
-        names.append(visible(name_of[path]))
-        features = manifold.features(positions)[0]
-        signatures.append(signature(hidden_units(manifold, features)))
-    if len(names) < 2:
-        raise ValueError(f"{names[0]}: one motion alone, name another to compare it with")
-    return names, distance_matrix(signatures)
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:

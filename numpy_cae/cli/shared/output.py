@@ -35,17 +35,14 @@ class VisibleStream:
 
     def write(self, text: str) -> int:
         encoding = self.stream.encoding or "utf-8"
+        begin = "\r" * text.startswith("\r")  # a line that renews itself is not laid out
         shown = visible(text.removeprefix("\r")).encode(encoding, "backslashreplace")
-        if text.startswith("\r"):  # a line that renews itself
-            return self.stream.write("\r" + shown.decode(encoding))
-        return self.stream.write(self._laid_out(shown.decode(encoding)))
-
-    def _laid_out(self, text: str) -> str:
-        if self.columns:
-            text = "\n".join(wrapped(line, self.columns) for line in text.split("\n"))
-        if self.is_bold:
-            text = re.sub(r"(?m)^([^\s|][^|\n]*?:)(?=\s)", rf"{BOLD}\1{PLAIN}", text)
-        return text
+        shown = shown.decode(encoding)
+        if self.columns and not begin:
+            shown = "\n".join(wrapped(line, self.columns) for line in shown.split("\n"))
+        if self.is_bold and not begin:
+            shown = re.sub(r"(?m)^([^\s|][^|\n]*?:)(?=\s)", rf"{BOLD}\1{PLAIN}", shown)
+        return self.stream.write(begin + shown)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)

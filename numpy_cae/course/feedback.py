@@ -1,0 +1,63 @@
+"""What a notebook shows of a report: colours, the rest folded, and what the function printed."""
+
+import io
+import re
+from html import escape
+
+from numpy_cae.verify.grading.report import Report
+
+MOST_LINES = 10
+LONGEST_KEPT = 4000
+"""MOST_LINES: what a function prints is shown so far; it is tested with hundreds of arrays."""
+RIGHT, WRONG, OPEN = "#1b7a3d", "#b3261e", "#5f6368"
+TITLE = '<b style="background:{};color:white;border-radius:3px;padding:0 .4em">{}</b>'
+TEXT = '<pre style="white-space:pre-wrap;margin:.2em 0">{}</pre>'
+FOLDED = "<details><summary>{}</summary>{}</details>"
+
+
+class Printed(io.TextIOBase):
+    """A stream that keeps the beginning of what is printed and counts the lines."""
+
+    def __init__(self) -> None:
+        self.kept = ""
+        self.lines = 0
+
+    def write(self, text: str) -> int:
+        self.kept = (self.kept + text)[:LONGEST_KEPT]
+        self.lines += text.count("\n")
+        return len(text)
+
+    def __str__(self) -> str:
+        first = self.kept.splitlines()[:MOST_LINES]
+        more = self.lines - len(first)
+        tail = [f"... {more} more lines: your function is called many times"] * (more > 0)
+        return "".join(f"{line}\n" for line in first + tail)
+
+
+class Feedback(Report):
+    """A report as a notebook shows it."""
+
+    def __str__(self) -> str:
+        return super().__str__().replace(' example("', ' course.example("')
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        title, *items = re.split(r"\n(?=  \S)", str(self))
+        colour = RIGHT if self.held else OPEN if self.unsolved else WRONG
+        title = TITLE.format(colour, escape(" ".join(title.split())))
+        if self.held:
+            statements = (f"{o.stated.name}: {o.stated.statement}" for o in self.outcomes)
+            return title + FOLDED.format("what was checked", _text("\n".join(statements)))
+        hints = [_text(items.pop())] if self.exercise.hint else []
+        first, *others = items
+        more = FOLDED.format("other properties, points", _text("\n".join(others)))
+        return "".join([title, _text(first), more, *hints])
+
+    def __dir__(self) -> list[str]:
+        """What tab completion offers: the exercise, with its solution, is not among it."""
+        return ["held", "points", "possible"]
+
+
+def _text(text: str) -> str:
+    return TEXT.format(escape(text))
