@@ -140,6 +140,10 @@ def test_a_students_folder_is_one_student_and_zip_files_are_opened(tmp_path, mon
     bob, ann = find_files(tmp_path / "all.zip", unpacked)
     assert (ann.student, bob.student) == ("leeann 7", "bob 7")
     assert "is not a zip file" in bob.fault and ann.path.parent.parent == unpacked
+    with zipfile.ZipFile(tmp_path / "small.zip", "w", zipfile.ZIP_LZMA) as packed:
+        packed.writestr("ann_7_8_07.py", LOOPS)
+    (small,) = find_files(tmp_path / "small.zip", unpacked)
+    assert "stored or deflated" in small.fault
 
 
 def test_marks_and_feedback_of_a_class(tmp_path, capsys):
