@@ -196,3 +196,7 @@ def test_passing_weights_return_slow_motion_before_any_training():
     for taps, slopes in ((1, 0), (2, 9), (15, 9)):  # of a slope, the middle tap is 0
         w = ConvAutoencoder(9, (18,), taps, initial="passing").layers[0].w
         assert np.all(w[taps // 2] == 0, axis=0).sum() == slopes
+    size = np.linalg.norm(w[..., :9], axis=(1, 2))
+    np.testing.assert_allclose(
+        size / size.max(), np.exp(-((np.arange(15) - 7) ** 2) / 2), atol=1e-6
+    )

@@ -1,8 +1,9 @@
-"""Distances between motions and what they find."""
+"""Distances between motions and what they find; errors against windows."""
 
 import numpy as np
 import pytest
 
+from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import G, hidden_units
 from studies import comparison
 from studies.comparison import EQUATION_4, EUCLIDEAN, RANDOM, distances
@@ -54,3 +55,13 @@ def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):
     assert "0.75 against 0.50" in claims[0].figures and "content +0.25" in claims[1].figures
     with pytest.raises(ValueError, match="labelled takes"):
         comparison.run(small_manifold, Material(labelled.training, []))
+
+
+def test_the_error_is_in_centimetres(small_manifold, labelled):
+    clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
+    assert clips.error(clips.x) == 0
+    off = clips.x.copy()
+    off[..., 21:24] += 0.01 * small_manifold.scale[21:24].astype(np.float32)
+    assert clips.error(off, "left_wrist") == pytest.approx(1.0, rel=1e-3)
+    assert clips.error(off) == pytest.approx(np.sqrt(1 / 20), rel=1e-3)
+    assert clips.real.all() and len(np.unique(clips.take)) == len(labelled.testing)

@@ -96,6 +96,7 @@ def test_the_seconds_of_the_interrupted_run_count():
 )
 def test_a_checkpoint_is_not_overwritten_unasked_nor_used_for_another_run(tmp_path, other):
     path, own = tmp_path / "c.npz", SCHEDULE if isinstance(other[0], Schedule) else SHORT
+    assert Checkpoint(path).status() == "no state has been saved yet"
     train(path, own)
     before = path.read_bytes()
     with pytest.raises(CheckpointError, match="--resume"):

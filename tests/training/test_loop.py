@@ -241,20 +241,23 @@ def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(m
     clock = SimpleNamespace(monotonic=lambda: clock.now, now=100.0)
     monkeypatch.setattr(progress, "time", clock)
     state = TrainingState({}, np.random.default_rng(0), name="layer 1", epochs=4, steps=8)
-    state.epoch, state.step, state.history.seconds["layer 1"] = 1, 4, 60.0
+    state.history.seconds["layer 1"] = 60.0
     printer = ProgressPrinter()
-    clock.now += 30
-    printer(state)
-    assert capsys.readouterr().err == ""
-    clock.now += 1
-    printer(state)
-    printer(state)
-    assert capsys.readouterr().err == "layer 1, epoch 1.50/4, 60 s elapsed, 100 s left\n"
-    state.epoch, state.step, state.history.seconds["layer 1"] = 2, 0, 70.0
-    state.history.losses["layer 1"] = [0.5, 0.125]
-    printer(state)
-    said = "layer 1, epoch 2/4: loss 0.12500, 70 s elapsed, 70 s left\n"
-    assert capsys.readouterr().err == said
+    for columns, passed, epoch, step, shown in (
+        (0, 30, 1, 4, ""),
+        (0, 1, 1, 4, "layer 1, epoch 1.50/4, 60 s elapsed, 100 s left\n"),
+        (0, 0, 1, 4, ""),
+        (0, 0, 2, 0, "layer 1, epoch 2/4: loss 0.50000, 60 s elapsed, 60 s left\n"),
+        (61, 0.299, 3, 4, ""),
+        (61, 0.002, 3, 4, "\rlayer 1, epoch 3.50/4: loss 0.25000, held-out 1.50 cm, 9 s le"),
+        (61, 0, 4, 0, "\rlayer 1, epoch 4/4: loss 0.12500, held-out 1.50 cm, 0 s left \n"),
+    ):
+        losses = {"layer 1": [0.5, 0.25, 0.125][: epoch - 1]}
+        state.history.losses = losses | {progress.HELD_OUT: [3.0, 2.0, 1.5][:columns]}
+        state.epoch, state.step, printer.columns = epoch, step, columns
+        clock.now += passed
+        printer(state)
+        assert capsys.readouterr().err == shown
 
 
 @pytest.mark.parametrize("schedule", [Schedule(), SEQUENCE])

@@ -1,11 +1,11 @@
-"""Strips and curves, and pictures written atomically."""
+"""Strips and curves, also one that grows while a loop runs: the means of blocks."""
 
 import numpy as np
 import pytest
 
 from numpy_cae.motion import JOINTS, PARENTS
 from numpy_cae.training.loop import HELD_OUT
-from numpy_cae.viz import Actor, losses_figure, matrix_figure, strip_figure
+from numpy_cae.viz import Actor, LiveCurve, losses_figure, matrix_figure, strip_figure
 from numpy_cae.viz.strip import bones, camera_view
 
 
@@ -69,3 +69,24 @@ def test_a_matrix_names_its_rows():
     assert axes.images[0].get_array()[0].tolist() == first
     many = matrix_figure(np.zeros((100, 100)), list(map(str, range(100)))).axes[0]
     assert len(many.get_yticklabels()) == 34
+
+
+class Display(list):
+    """In place of IPython's display and its handle: the points of each figure displayed."""
+
+    def update(self, figure, display_id=None):
+        self.append(figure.axes[0].lines[0].get_xydata().tolist())
+        return self
+
+    __call__ = update
+
+
+def test_the_last_drawing_of_a_live_curve_has_every_value(monkeypatch):
+    ipython = pytest.importorskip("IPython.display")
+    shown = Display()
+    monkeypatch.setattr(ipython, "display", shown)
+    with LiveCurve("loss", block=2, seconds=1e9) as curve:
+        assert not shown
+        for value in (4, 2, 1, 3, 5):
+            curve.add(value)
+    assert shown == [[[1, 4]], [[2, 3], [4, 2], [5, 5]]]
