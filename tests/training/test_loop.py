@@ -9,15 +9,9 @@ import pytest
 
 from numpy_cae.fast import accelerate, fast_conv_autoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import (
-    DivergedError,
-    ProgressPrinter,
-    TrainingState,
-    optimisers,
-    progress,
-    sequential,
-)
+from numpy_cae.training import ProgressPrinter, optimisers, progress, sequential
 from numpy_cae.training.layerwise import train_autoencoder
+from numpy_cae.training.loop import DivergedError, TrainingState
 from numpy_cae.training.schedule import RECIPES, Schedule, SequenceSchedule, Stage, recipe
 from numpy_cae.training.sequential import train_sequential
 

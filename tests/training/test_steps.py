@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
-from numpy_cae.training.optimisers import one_cycle, rate_at
+from numpy_cae.training.optimisers import Sgd, one_cycle, rate_at
 
 
 def test_directions_have_length_one_and_no_preferred_direction():
@@ -15,17 +15,20 @@ def test_directions_have_length_one_and_no_preferred_direction():
     np.testing.assert_allclose(drawn.T @ drawn / 2000, np.eye(3) / 3, atol=0.03)
 
 
-def test_adam_is_its_definition_as_a_sum_over_all_gradients():
+def test_adam_and_momentum_are_their_definitions_as_sums_over_all_gradients():
     gradients = np.random.default_rng(0).normal(size=(20, 3)).astype(np.float32)
-    w, expected = np.ones(3, np.float32), np.ones(3)
-    adam = Adam({"w": w})
+    w, moved, expected = np.ones(3, np.float32), np.zeros(3), np.ones(3)
+    adam, momentum = Adam({"w": w}), Sgd({"moved": moved}, momentum=0.9)
     for t in range(1, 21):
         adam.update([gradients[t - 1]], rate=0.02)
+        momentum.update([gradients[t - 1]], rate=0.02)
         ages = np.arange(t)[::-1, None]
         mean = (0.1 * 0.9**ages * gradients[:t]).sum(axis=0) / (1 - 0.9**t)
         square = (0.01 * 0.99**ages * gradients[:t] ** 2).sum(axis=0) / (1 - 0.99**t)
         expected -= 0.02 * mean / (np.sqrt(square) + 1e-8)
     np.testing.assert_allclose(w, expected, atol=1e-5)
+    sums = (1 - 0.9 ** np.arange(20, 0, -1)) / (1 - 0.9)  # of what each gradient still moves
+    np.testing.assert_allclose(moved, -0.02 * sums @ gradients, atol=1e-6)
     assert {array.dtype for array in (w, *adam.means.values(), *adam.squares.values())} == {w.dtype}
 
 
