@@ -34,53 +34,44 @@ EASE_SECONDS = 2 / 3
 (docs/lab_book/filling.md)."""
 BRIEF_SECONDS = 0.1
 """BRIEF_SECONDS: T (s) for other curves: their speed does not jump, and little else changes."""
-Curve = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+Curve = Callable[..., np.ndarray]
 """A curve through keys: their times (K,) in seconds, ascending, their values (K, N, C), and the
-times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant."""
+times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant. With
+a fourth argument, 1, `pchip`, `cubic` and `slerp` give the derivative."""
 
 
-def pchip(
+def _through_keys(
+    interpolator: str, keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
+) -> np.ndarray:
+    """A curve of `scipy.interpolate` through all keys, or a derivative of it."""
+    from scipy import interpolate  # slow to import, and seldom needed
+
+    if len(keys) == 1:
+        return np.repeat(values, len(times), axis=0)
+    curve = getattr(interpolate, interpolator)(keys, values)
+    return curve(np.clip(times, keys[0], keys[-1]), derivative)
+
+
+pchip: Curve = partial(_through_keys, "PchipInterpolator")
+"""The monotone cubic of Fritsch and Butland (1984): no overshoot."""
+cubic: Curve = partial(_through_keys, "CubicSpline")
+"""The cubic spline, with continuous acceleration."""
+
+
+def slerp(
     keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
 ) -> np.ndarray:
-    """The monotone cubic of Fritsch and Butland (1984) through all keys, or a derivative of it: no
-    overshoot."""
-    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
-
-    if len(keys) == 1:
-        return np.repeat(values, len(times), axis=0)
-    return PchipInterpolator(keys, values)(np.clip(times, keys[0], keys[-1]), derivative)
+    """Linear between the two keys next to the hole, as PCHIP is through two keys: for rotation
+    vectors relative to the first of the two this is spherical interpolation."""
+    after = int(np.clip(np.searchsorted(keys, times[0], "right"), 1, max(len(keys) - 1, 1)))
+    near = slice(after - 1, after + 1)
+    return pchip(keys[near], values[near], times, derivative)
 
 
-def cubic(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The cubic spline through all keys, with continuous acceleration."""
-    from scipy.interpolate import CubicSpline
-
-    if len(keys) == 1:
-        return np.repeat(values, len(times), axis=0)
-    return CubicSpline(keys, values)(np.clip(times, keys[0], keys[-1]))
-
-
-def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Linear between the two keys next to the hole: for rotation vectors relative to the first of
-    the two this is spherical interpolation."""
-    after = int(np.clip(np.searchsorted(keys, times[0]), 1, max(len(keys) - 1, 1)))
-    first = max(after - 1, 0)
-    last = min(after, len(keys) - 1)
-    share = np.clip((times - keys[first]) / max(keys[last] - keys[first], 1e-9), 0.0, 1.0)
-    return values[first] + share[:, None, None] * (values[last] - values[first])
-
-
-def slerp_slope(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The slope of `slerp` at the two keys next to the hole, `times` (2,)."""
-    first, last = np.searchsorted(keys, times)
-    return (values[[last, last]] - values[[first, first]]) / (keys[last] - keys[first])
-
-
-def with_speeds(curve: Curve, slope: Curve, longest: float) -> Curve:
+def with_speeds(curve: Curve, longest: float) -> Curve:
     """The curve with the speeds at both ends of the hole, by the module's equation, T <= longest.
 
-    `slope` gives the slope of the curve at the two keys next to the hole. Where the frames around
-    the hole do not give its speed (`speed_at`), the curve is unchanged.
+    Where the frames around the hole do not give its speed (`speed_at`), the curve is unchanged.
     """
 
     def changed(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -91,7 +82,7 @@ def with_speeds(curve: Curve, slope: Curve, longest: float) -> Curve:
         if 0 < after < len(keys):
             ends = keys[after - 1 : after + 1]
             duration = min(longest, ends[1] - ends[0])
-            slopes = slope(keys, values, ends)
+            slopes = curve(keys, values, ends, 1)
         outwards = (slice(after - 1, None, -1) if after else slice(0), slice(after, None))
         for side, slope_there in zip(outwards, slopes, strict=True):
             speed = speed_at(keys[side], values[side])
@@ -118,13 +109,12 @@ def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
 
 
 ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
-pchip_slope = partial(pchip, derivative=1)
-eased = with_speeds(pchip, pchip_slope, EASE_SECONDS)
+eased = with_speeds(pchip, EASE_SECONDS)
 CURVES: dict[str, Curve] = {
     "eased": eased,
-    "pchip": with_speeds(pchip, pchip_slope, BRIEF_SECONDS),
+    "pchip": with_speeds(pchip, BRIEF_SECONDS),
     "cubic": cubic,
-    "slerp": with_speeds(slerp, slerp_slope, BRIEF_SECONDS),
+    "slerp": with_speeds(slerp, BRIEF_SECONDS),
 }
 """CURVES: the curves of `fill` and `repair`; the speed jumps in none of them."""
 
@@ -150,43 +140,6 @@ def eased_everywhere(column: int, first: int) -> Curve:
     return eased
 
 
-def over_holes(
-    values: np.ndarray,
-    missing: np.ndarray,
-    rate: float,
-    curve_at: CurveAt = eased_everywhere,
-    frames: np.ndarray | slice = EVERY,
-) -> np.ndarray:
-    """Values (F, N, C) interpolated over a mask (F, N); a column without known values is kept.
-
-    With a mask `frames` (F,), only these frames are returned: all of an hour take 0.4 GB.
-    """
-    filled = np.array(values[frames], dtype=np.float64)
-    for hole in _holes(missing, rate):
-        known = values[np.ix_(hole.keys, hole.columns)]
-        inside = curve_at(hole.columns[0], hole.first)(hole.keys / rate, known, hole.times(rate))
-        _put(inside, filled, hole, frames)
-    return filled
-
-
-def rotations_over_holes(
-    rotations: np.ndarray,
-    missing: np.ndarray,
-    rate: float,
-    curve_at: CurveAt = eased_everywhere,
-    frames: np.ndarray | slice = EVERY,
-) -> np.ndarray:
-    """The same for rotations as quaternions (F, N, 4); see the equation of the module."""
-    filled = np.array(rotations[frames])
-    filled[:, np.flatnonzero(missing.all(axis=0))] = IDENTITY
-    for hole in _holes(missing, rate):
-        start, vectors = _relative_vectors(rotations, hole)
-        curve = curve_at(hole.columns[0], hole.first)
-        inside = curve(hole.keys / rate, vectors, hole.times(rate))
-        _put(product(start, from_vector(inside)), filled, hole, frames)
-    return filled
-
-
 class _Hole(NamedTuple):
     """Frames from `first` to before `end` that are unknown in some columns, and the known frames
     next to them, 2/30 s and a few frames more on both sides."""
@@ -196,9 +149,59 @@ class _Hole(NamedTuple):
     end: int
     keys: np.ndarray
 
-    def times(self, rate: float) -> np.ndarray:
-        """The times of the unknown frames in seconds."""
-        return np.arange(self.first, self.end) / rate
+
+Chart = Callable[[np.ndarray, _Hole], tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]]
+"""From the values of a hole's keys to vectors (K, N, C), and a function from such vectors back."""
+
+
+def _vectors(values: np.ndarray, hole: _Hole) -> tuple[np.ndarray, Callable]:
+    """The `Chart` of values that are vectors."""
+    return values, np.asarray
+
+
+def _rotation_vectors(rotations: np.ndarray, hole: _Hole) -> tuple[np.ndarray, Callable]:
+    """The `Chart` of quaternions: the rotation vectors x(t_k) of the keys, relative to the last
+    known rotations R_a before the hole, or the first after it where none is before."""
+    before = int(np.searchsorted(hole.keys, hole.first))
+    last = max(before - 1, 0)
+    start = rotations[last]
+    vectors = to_vector(product(inverse(start), rotations))
+    for side in (vectors[:before][::-1], vectors[last:]):
+        if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
+            side[...] = unwrapped(side)
+    return vectors, lambda inside: product(start, from_vector(inside))
+
+
+def over_holes(
+    values: np.ndarray,
+    missing: np.ndarray,
+    rate: float,
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = EVERY,
+    chart: Chart = _vectors,
+) -> np.ndarray:
+    """Values (F, N, C) interpolated over a mask (F, N); a column without known values is kept.
+
+    With a mask `frames` (F,), only these frames are returned: all of an hour take 0.4 GB. `chart`
+    makes vectors of values that are none.
+    """
+    filled = np.array(values[frames], dtype=np.float64)
+    if chart is _rotation_vectors:  # a rotation that is never known is that of the rest pose
+        filled[:, missing.all(axis=0)] = IDENTITY
+    kept = np.zeros(len(values), bool)
+    kept[frames] = True
+    for hole in _holes(missing, rate):
+        vectors, values_of = chart(values[np.ix_(hole.keys, hole.columns)], hole)
+        curve = curve_at(hole.columns[0], hole.first)
+        times = np.arange(hole.first, hole.end) / rate
+        inside = values_of(curve(hole.keys / rate, vectors, times))[kept[hole.first : hole.end]]
+        first = np.count_nonzero(kept[: hole.first])
+        filled[first : first + len(inside), hole.columns] = inside
+    return filled
+
+
+rotations_over_holes = partial(over_holes, chart=_rotation_vectors)
+"""The same for rotations as quaternions (F, N, 4); see the equation of the module."""
 
 
 def _holes(missing: np.ndarray, rate: float) -> Iterator[_Hole]:
@@ -214,28 +217,6 @@ def _holes(missing: np.ndarray, rate: float) -> Iterator[_Hole]:
             after = int(np.searchsorted(known, first))
             keys = known[max(after - near, 0) : after + near]
             yield _Hole(some[numbers.ravel() == number], first, end, keys)
-
-
-def _relative_vectors(rotations: np.ndarray, hole: _Hole) -> tuple[np.ndarray, np.ndarray]:
-    """The last known rotations R_a before a hole, (N, 4), or the first after it where none is
-    before, and the rotation vectors x(t_k) of its keys, (K, N, 3)."""
-    before = int(np.searchsorted(hole.keys, hole.first))
-    last = max(before - 1, 0)
-    start = rotations[hole.keys[last], hole.columns]
-    vectors = to_vector(product(inverse(start), rotations[np.ix_(hole.keys, hole.columns)]))
-    for side in (vectors[:before][::-1], vectors[last:]):
-        if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
-            side[...] = unwrapped(side)
-    return start, vectors
-
-
-def _put(inside: np.ndarray, filled: np.ndarray, hole: _Hole, frames: np.ndarray | slice) -> None:
-    """Put values inside a hole into `filled`, which has only the frames of the mask `frames`."""
-    first = hole.first
-    if not isinstance(frames, slice):
-        inside = inside[frames[first : hole.end]]
-        first = int(np.count_nonzero(frames[:first]))
-    filled[first : first + len(inside), hole.columns] = inside
 
 
 SHORT_SECONDS = 0.25
