@@ -62,19 +62,13 @@ def require_unit(unit: float) -> float:
 
 def unit_name(unit: float) -> str:
     """The name of a unit that is this many metres long."""
-    for name, metres in UNITS.items():
-        if abs(unit / metres - 1) < 1e-6:
-            return name
-    return f"units of {unit:g} m"
+    names = (name for name, metres in UNITS.items() if abs(unit / metres - 1) < 1e-6)
+    return next(names, f"units of {unit:g} m")
 
 
-def stature(skeleton: Skeleton, bone_lengths: np.ndarray | None = None) -> float:
-    """The stature of a person with these bones, in the unit of the lengths; 0 without two tips.
-
-    `bone_lengths` (J,), from each joint to its parent, are by default those of the offsets.
-    """
-    if bone_lengths is None:
-        bone_lengths = np.linalg.norm(skeleton.offsets, axis=-1)
+def stature(skeleton: Skeleton, bone_lengths: np.ndarray) -> float:
+    """The stature of a person with bones of these lengths (J,), from each joint to its parent, in
+    the unit of the lengths; 0 without two tips."""
     longest = 0.0
     # The longest path down from each joint to a tip. A path from tip to tip goes up to some joint
     # and down again; a root without branches is never such a joint.
@@ -232,28 +226,22 @@ def in_y_up(
     What is not given is detected; in a rig in which the twenty joints are not found, Y is taken to
     be up and the floor to be at 0.
     """
-    up = given_up
-    floor = given_floor
+    up = given_up or "y"
+    floor = given_floor or 0.0
     rig = own_rig(motion)
-    if len(rig.found) == len(JOINTS) and (up is None or floor is None):
+    if len(rig.found) == len(JOINTS) and None in (given_up, given_floor):
         body = motion.sampled(_POSES).positions(rig.joints)
-        rest = motion.skeleton.rest_positions()[rig.joints]
-        up = detect_up(body, rest) if up is None else up
-        floor = detect_floor(body @ np.transpose(TO_Y_UP[up])) if floor is None else floor
-    up = up or "y"
-    floor = floor or 0.0
+        up = given_up or detect_up(body, motion.skeleton.rest_positions()[rig.joints])
+        if given_floor is None:
+            floor = detect_floor(body @ np.transpose(TO_Y_UP[up]))
     if up == "y" and floor == 0:
         return motion
-    notes = list(motion.notes)
-    if up != "y":
-        reason = "detected" if given_up is None else "as given"
-        notes.append(Note("up", f"{up.upper()} up ({reason})"))
-    if floor:
-        reason = "detected" if given_floor is None else "as given"
-        notes.append(Note("floor", f"floor at {floor:.2f} m ({reason})"))
+    reasons = ["detected" if given is None else "as given" for given in (given_up, given_floor)]
+    notes = [Note("up", f"{up.upper()} up ({reasons[0]})")] * (up != "y")
+    notes += [Note("floor", f"floor at {floor:.2f} m ({reasons[1]})")] * (floor != 0)
     turned = _turned(motion, np.array(TO_Y_UP[up], dtype=float))
     turned.translations[:, 0, 1] -= floor
-    return replace(turned, up=up, floor=floor, notes=tuple(notes))
+    return replace(turned, up=up, floor=floor, notes=(*motion.notes, *notes))
 
 
 def as_in_file(motion: Motion) -> Motion:
@@ -283,6 +271,5 @@ def _without_added(motion: Motion) -> Motion:
     kept = slice(motion.rig.added[0])  # the joints that the file lacks are the last ones
     whole = motion.skeleton
     parts = {part: getattr(whole, part)[kept] for part in ("names", "parents", "offsets")}
-    arrays = (motion.rotations[:, kept], motion.translations[:, kept])
-    without = replace(whole, **parts)
-    return Motion(without, motion.rate, *arrays, motion.unit, motion.notes, motion.up, motion.floor)
+    arrays = {part: getattr(motion, part)[:, kept] for part in ("rotations", "translations")}
+    return replace(motion, skeleton=replace(whole, **parts), **arrays)

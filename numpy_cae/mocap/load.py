@@ -203,10 +203,8 @@ def load_motion(
         raise MotionFileError(path, None, problem)
     require_coordinates(unit, up, floor)
     with _naming(path):
-        if suffix == ".amc":
-            read = read_amc(path, unit, max_rate)
-        else:
-            read = read_bvh(path, unit, max_rate) if suffix == ".bvh" else read_expmap(path, unit)
+        reader = {".amc": read_amc, ".bvh": read_bvh}.get(suffix)
+        read = reader(path, unit, max_rate) if reader else read_expmap(path, unit)
         motion = recognised(read, mapping)
         del read
         if suffix == ".bvh" and unit is None:

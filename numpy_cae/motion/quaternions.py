@@ -84,7 +84,8 @@ def nearest(matrices: np.ndarray) -> np.ndarray:
 
 
 def from_angles(order: str, angles: np.ndarray) -> np.ndarray:
-    """Quaternions of angles (F, N) in radians about the joint's own axes in an order such as "ZXY".
+    """Quaternions of angles (F, N) in radians about the joint's own axes in an order such as "ZXY",
+    or about fixed axes in an order such as "yxz".
 
     Multiplied on the right by a rotation of 2α about axis i, a quaternion q becomes (j and k are
     the axes that follow i in the cycle x, y, z)
@@ -92,6 +93,8 @@ def from_angles(order: str, angles: np.ndarray) -> np.ndarray:
         q_i cos α + q_w sin α,   q_j cos α + q_k sin α,   q_k cos α - q_j sin α,
         q_w cos α - q_i sin α
     """
+    if order.islower():  # fixed axes in this order are own axes in reverse order
+        return from_angles(order[::-1].upper(), angles[:, ::-1])
     q = [*np.zeros((3, len(angles))), np.ones(len(angles))]
     for axis, column in zip(order, angles.T, strict=True):
         i = "XYZ".index(axis)
@@ -146,7 +149,7 @@ def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
     that contains them in this order. The angles about the other axes are dropped, and in each frame
     the nearest result is returned.
     """
-    if order.islower():  # fixed axes in this order are own axes in reverse order
+    if order.islower():
         return nearest_angles(rotations, order[::-1].upper())[:, ::-1]
     found = np.zeros((len(rotations), len(order)))
     least = np.full(len(rotations), np.inf if order else -np.inf)

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.mocap.coordinates import stated_unit, stature
-from numpy_cae.mocap.formats.asf import ANGLE_UNITS, AcclaimSkeleton, read_asf, statements
-from numpy_cae.mocap.formats.channels import Channels, read_pose
+from numpy_cae.mocap.formats.asf import ANGLE_UNITS, read_asf, statements
+from numpy_cae.mocap.formats.channels import JointChannels, read_pose
 from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile, quoted, whole_number
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
 
@@ -57,31 +57,31 @@ def read_amc(path: str | Path, unit: float | None = None, max_rate: float | None
     (120.0, array([0.   , 0.889, 0.   ]))
     """
     file = TextFile.read(path)
-    acclaim = read_asf(find_skeleton(path), unit)
-    channels, rate, header = _read_header(file, acclaim)
+    skeleton, channels, metres = read_asf(find_skeleton(path), unit)
+    channels, rate, header = _read_header(file, channels)
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     rate = rate if step == 1 or max_rate is None else max_rate
-    values = _frames(file, acclaim, header, step, rate)
-    rotations, translations = read_pose(channels, acclaim.skeleton.offsets, values)
+    values = _frames(file, channels, header, step, rate)
+    rotations, translations = read_pose(channels, skeleton.offsets, values)
     source = ":units of the skeleton" if unit is None else "as given"
-    unit_note = stated_unit(acclaim.unit, source, stature(acclaim.skeleton))
+    height = stature(skeleton, np.linalg.norm(skeleton.offsets, axis=-1))
+    unit_note = stated_unit(metres, source, height)
     notes = (unit_note, *file.lost_values(values))
-    return Motion(acclaim.skeleton, float(rate), rotations, translations, acclaim.unit, notes)
+    return Motion(skeleton, float(rate), rotations, translations, metres, notes)
 
 
-def amc_channels(path: str | Path, unit: float) -> list[Channels]:
+def amc_channels(path: str | Path, unit: float) -> JointChannels:
     """The channels of each joint of an Acclaim motion; `unit` is metres in its unit of length."""
     file = TextFile.read(path, header=True)
-    return _read_header(file, read_asf(find_skeleton(path), unit))[0]
+    return _read_header(file, read_asf(find_skeleton(path), unit)[1])[0]
 
 
 def amc_values(path: str | Path) -> np.ndarray:
     """The values of an Acclaim motion, unchanged, as a table (frames, channels) with its columns in
     the order of the skeleton's joints."""
     file = TextFile.read(path)
-    acclaim = read_asf(find_skeleton(path))
-    _, rate, header = _read_header(file, acclaim)
-    return _frames(file, acclaim, header, 1, rate)
+    channels, rate, header = _read_header(file, read_asf(find_skeleton(path))[1])
+    return _frames(file, channels, header, 1, rate)
 
 
 def find_skeleton(path: str | Path) -> Path:
@@ -104,16 +104,16 @@ def find_skeleton(path: str | Path) -> Path:
     raise MotionFileError(path, None, f"{problem}, expected {wanted}")
 
 
-def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channels], float, int]:
+def _read_header(file: TextFile, channels: JointChannels) -> tuple[JointChannels, float, int]:
     """The channels in the angles of this file, the rate, and the last line before the frames."""
     rate = CMU_RATE
-    channels = acclaim.channels
     for line, words in statements(file):
         keyword = words[0].lower()
         if not keyword.startswith(":"):
             return channels, rate, line - 1
         if keyword[1:] in ANGLE_UNITS:
-            channels = [replace(c, angle_unit=ANGLE_UNITS[keyword[1:]]) for c in channels]
+            unit = ANGLE_UNITS[keyword[1:]]
+            channels = {name: replace(own, angle_unit=unit) for name, own in channels.items()}
         elif keyword == ":samples-per-second":
             (rate,) = file.numbers(line, words[1:], 1, keyword)
             if not MIN_RATE <= rate <= MAX_RATE:
@@ -123,15 +123,13 @@ def _read_header(file: TextFile, acclaim: AcclaimSkeleton) -> tuple[list[Channel
 
 
 def _frames(
-    file: TextFile, acclaim: AcclaimSkeleton, header: int, step: int, rate: float
+    file: TextFile, channels: JointChannels, header: int, step: int, rate: float
 ) -> np.ndarray:
     """A table of every `step`-th frame, with its columns in the order of the skeleton's joints.
 
     `rate` is the rate of these frames. Comments, blanks and the order of the bones do not matter.
     """
-    bones = zip(acclaim.skeleton.names, acclaim.channels, strict=True)
-    channels = {name: of_bone.names for name, of_bone in bones}
-    moving = [name for name, names in channels.items() if names]
+    moving = [name for name, own in channels.items() if own.names]
     rows = array("d")
     for count, frame in enumerate(_each_frame(file, channels, header)):
         missing = [name for name in moving if name not in frame.values]
@@ -157,14 +155,12 @@ class _Frame(NamedTuple):
         return [value for name in bones for value in file.numbers(*self.values[name])]
 
 
-def _each_frame(
-    file: TextFile, channels: dict[str, tuple[str, ...]], header: int
-) -> Iterator[_Frame]:
+def _each_frame(file: TextFile, channels: JointChannels, header: int) -> Iterator[_Frame]:
     """The frames below line `header`, at least one."""
     frame: _Frame | None = None
     for line, (name, *values) in statements(file, header):
         if name in channels:
-            expected = channels[name]
+            expected = channels[name].names
             if frame is None or name in frame.values or len(values) != len(expected):
                 problem = f"bone {name!r} with {len(values)} values, expected it once in each frame"
                 raise file.error(line, f"{problem}, with {len(expected)} ({' '.join(expected)})")

@@ -14,15 +14,16 @@ the bone's base: lfemur is at the hip, ltibia at the knee.
 import re
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.mocap.coordinates import INCH, require_unit
-from numpy_cae.mocap.formats.channels import Channels
+from numpy_cae.mocap.formats.channels import Channels, JointChannels
 from numpy_cae.mocap.formats.text_file import TextFile, quoted
 from numpy_cae.motion.motion import Skeleton, depth_first
+from numpy_cae.motion.quaternions import from_angles
 
 _COMMENT = re.compile(r"(?<!\.)#.*")
 """_COMMENT: 1.#QNAN is none."""
@@ -36,19 +37,6 @@ _CUT_OFF = (
     "file?"
 )
 _ROOT_CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz")
-
-
-@dataclass(frozen=True)
-class AcclaimSkeleton:
-    """The content of an .asf file.
-
-    `skeleton` is in metres, and its joint 0 is "root". `channels` are those of each joint in an
-    .amc file; a rigid bone has none. `unit` is metres in one unit of the file.
-    """
-
-    skeleton: Skeleton
-    channels: list[Channels]
-    unit: float
 
 
 @dataclass
@@ -80,9 +68,8 @@ class _Block:
         if sorted(letters) != ["x", "y", "z"]:
             problem = f"axis order {quoted(letters.upper())}, expected X, Y and Z, such as XYZ"
             raise self.file.error(self.words("axis", "")[0], problem)
-        names = tuple("r" + letter for letter in letters)
         values = np.array([[angles["xyz".index(letter)] for letter in letters]])
-        return Channels(names, 0, 1.0, angle_unit=angle_unit).rotations(values)[0]
+        return from_angles(letters, angle_unit * values)[0]
 
     def tip(self, unit: float) -> np.ndarray:
         """The end of a bone, relative to its base."""
@@ -93,7 +80,15 @@ class _Block:
         line, words = self.words("axis")
         axes = self.rotation(self.file.numbers(line, words[:3], 3, "axis"), words[3:], angle_unit)
         names = self.channels("dof", _ROOT_CHANNELS[3:], "")
-        return Channels(names, 0, unit, axes=axes, angle_unit=angle_unit)
+        return Channels(names, unit, axes=axes, angle_unit=angle_unit)
+
+    def root_channels(self, position: np.ndarray, unit: float, angle_unit: float) -> Channels:
+        """The channels of the root, which an `orientation` turns; its translation is added to its
+        preset position."""
+        names = self.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
+        angles = self.numbers("orientation", 3, "0 0 0")
+        turned = self.rotation(angles, self.words("axis", "XYZ")[1], angle_unit)
+        return Channels(names, unit, position, orientation=turned, angle_unit=angle_unit)
 
     def channels(self, keyword: str, known: tuple[str, ...], default: str) -> tuple[str, ...]:
         """The channels of an `order` or `dof` statement; rotations are about fixed axes in this
@@ -114,7 +109,7 @@ def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]
             yield line, words
 
 
-def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
+def read_asf(path: str | Path, unit: float | None = None) -> tuple[Skeleton, JointChannels, float]:
     r"""Read an Acclaim skeleton.
 
     Parameters
@@ -126,7 +121,12 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
 
     Returns
     -------
-    AcclaimSkeleton
+    skeleton : Skeleton
+        In metres; its joint 0 is "root".
+    channels : JointChannels
+        Those of each joint in an .amc file; a rigid bone has none.
+    unit : float
+        Metres in one unit of the file.
 
     Raises
     ------
@@ -142,8 +142,8 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
     ...     "begin\n name arm\n direction 1 0 0\n length 5\n axis 0 0 0 XYZ\n dof rx\n end\n"
     ...     ":hierarchy\n root arm\n"
     ... )
-    >>> acclaim = read_asf("01.asf")
-    >>> acclaim.skeleton.names, acclaim.channels[1].names, acclaim.unit
+    >>> skeleton, channels, unit = read_asf("01.asf")
+    >>> skeleton.names, channels["arm"].names, unit
     (('root', 'arm'), ('rx',), 0.0254)
     """
     file = TextFile.read(path, MAX_BYTES)
@@ -159,24 +159,15 @@ def read_asf(path: str | Path, unit: float | None = None) -> AcclaimSkeleton:
         bones[name] = bone
     parent_of = _parents(bones, sections[":hierarchy"])
     joints = list(parent_of)
-    channels = [bones[name].bone_channels(unit, angle_unit) for name in joints[1:]]
-    channels.insert(0, _root_channels(root, unit, angle_unit))
+    channels = {name: bones[name].bone_channels(unit, angle_unit) for name in joints[1:]}
     tips = {"root": np.zeros(3)} | {name: bones[name].tip(unit) for name in joints[1:]}
     position = unit * np.array(root.numbers("position", 3, "0 0 0"))
+    channels = {"root": root.root_channels(position, unit, angle_unit)} | channels
     offsets = np.array([position, *(tips[parent_of[name]] for name in joints[1:])])
     parents = (-1, *(joints.index(parent_of[name]) for name in joints[1:]))
     above = set(parent_of.values())
     end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in above}
-    skeleton = Skeleton(tuple(joints), parents, offsets, end_sites)
-    return AcclaimSkeleton(skeleton, _placed(channels, offsets), unit)
-
-
-def _placed(channels: list[Channels], offsets: np.ndarray) -> list[Channels]:
-    """The channels of the joints with their columns in a frame and their offsets: the root's
-    translation is added to its preset position, which is its offset."""
-    firsts = np.cumsum([0, *(len(of_joint.names) for of_joint in channels)]).tolist()
-    places = zip(channels, firsts, offsets, strict=False)
-    return [replace(each, first=first, offset=offset) for each, first, offset in places]
+    return Skeleton(tuple(joints), parents, offsets, end_sites), channels, unit
 
 
 def _unit_of(units: _Block) -> float:
@@ -195,14 +186,6 @@ def _angle_unit_of(units: _Block) -> float:
     if angle_unit is None:
         raise units.file.error(line, f"angle {quoted(' '.join(words))}, expected deg or rad")
     return angle_unit
-
-
-def _root_channels(root: _Block, unit: float, angle_unit: float) -> Channels:
-    """The channels of the root, which an `orientation` turns."""
-    names = root.channels("order", _ROOT_CHANNELS, " ".join(_ROOT_CHANNELS))
-    angles = root.numbers("orientation", 3, "0 0 0")
-    turned = root.rotation(angles, root.words("axis", "XYZ")[1], angle_unit)
-    return Channels(names, 0, unit, orientation=turned, angle_unit=angle_unit)
 
 
 _Lines = list[tuple[int, list[str]]]
@@ -232,21 +215,17 @@ def _block(file: TextFile, lines: _Lines) -> _Block:
 def _bones(file: TextFile, lines: _Lines) -> list[_Block]:
     """The bones of `:bonedata`, each from `begin` to `end`."""
     bones: list[_Block] = []
-    bone: _Block | None = None
     for line, (word, *rest) in lines:
         keyword = word.lower()
-        if keyword == "begin" and bone is None:
-            bone = _Block(file, line, {})
-            bones.append(bone)
-        elif bone is None or keyword == "begin":
-            expected = "begin" if bone is None else f"the end of the bone on line {bone.line}"
+        is_open = bool(bones) and "end" not in bones[-1].statements
+        if (keyword == "begin") == is_open:
+            expected = f"the end of the bone on line {bones[-1].line}" if is_open else "begin"
             raise file.error(line, f"expected {expected}, found {quoted(word)}")
-        elif keyword == "end":
-            bone = None
-        else:
-            bone.statements[keyword] = line, rest
-    if bone is not None:
-        raise file.error(bone.line, _CUT_OFF)
+        if keyword == "begin":
+            bones.append(_Block(file, line, {}))
+        bones[-1].statements[keyword] = line, rest
+    if bones and "end" not in bones[-1].statements:
+        raise file.error(bones[-1].line, _CUT_OFF)
     return bones
 
 

@@ -17,7 +17,7 @@ _BLOCK = 1024
 
 @dataclass(frozen=True)
 class Channels:
-    """The channels of one joint; `first` is the column of the first one in a frame.
+    """The channels of one joint.
 
     `names` are in the order of the file: "tX", "rZ" (about the own axes) or "tx", "rz" (about fixed
     ones). `unit` is metres in one unit of the file; `offset` (3,) in metres is added to the
@@ -26,16 +26,15 @@ class Channels:
     """
 
     names: tuple[str, ...]
-    first: int
     unit: float
     offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
     axes: np.ndarray | None = None
     orientation: np.ndarray | None = None
     angle_unit: float = np.radians(1.0)
 
-    def columns(self, kind: str) -> list[int]:
-        """The columns of the joint's translations ("t") or rotations ("r") in a frame."""
-        return [self.first + n for n, name in enumerate(self.names) if name[0] == kind]
+    def places(self, kind: str) -> list[int]:
+        """The places of the translations ("t") or rotations ("r") among the channels."""
+        return [place for place, name in enumerate(self.names) if name[0] == kind]
 
     @property
     def order(self) -> str:
@@ -47,17 +46,9 @@ class Channels:
         """The coordinate of each translation, 0 to 2."""
         return ["xyz".index(name[1].lower()) for name in self.names if name[0] == "t"]
 
-    def position_values(self, translations: np.ndarray) -> np.ndarray:
-        """The numbers of the position channels, from translations (F, 3) in metres."""
-        return ((translations - self.offset) / self.unit)[:, self.coordinates]
-
     def rotations(self, values: np.ndarray) -> np.ndarray:
         """The joint's rotations as quaternions (F, 4), from the numbers of its channels (F, N)."""
-        angles = values * self.angle_unit
-        if self.order.islower():  # fixed axes in this order are own axes in reverse order
-            rotations = quaternions.from_angles(self.order[::-1].upper(), angles[:, ::-1])
-        else:
-            rotations = quaternions.from_angles(self.order, angles)
+        rotations = quaternions.from_angles(self.order, values * self.angle_unit)
         if self.axes is not None:
             # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
             rotations[:, :3] = quaternions.rotate(self.axes, rotations[:, :3])
@@ -66,20 +57,14 @@ class Channels:
         return rotations
 
     def rotation_values(
-        self,
-        rotations: np.ndarray,
-        present: np.ndarray,
-        before: np.ndarray | None,
-        after: np.ndarray | None,
+        self, rotations: np.ndarray, present: np.ndarray, before: np.ndarray, after: np.ndarray
     ) -> np.ndarray:
         """The numbers of the rotation channels, from quaternions (F, 4).
 
-        They continue the numbers of the frame `before` and of the frame `after`, each None if there
-        is none. A jump, if one is necessary, is put where the numbers now in the file, `present`
-        (F, N), make their largest step.
+        They continue the numbers of the frame `before` (1, N) and of the frame `after` (1, N), each
+        (0, N) if there is none. A jump, if one is necessary, is put where the numbers now in the
+        file, `present` (F, N), make their largest step.
         """
-        if not self.order:  # a rigid bone
-            return np.zeros((len(rotations), 0))
         local = rotations
         if self.orientation is not None:
             local = quaternions.product(quaternions.inverse(self.orientation), local)
@@ -87,19 +72,28 @@ class Channels:
             inverse = quaternions.inverse(self.axes)
             local = quaternions.product(quaternions.product(inverse, local), self.axes)
         angles = quaternions.nearest_angles(local, self.order)
-        if before is not None and after is not None:
+        jump = 0 if len(after) else len(angles)
+        if len(before) and len(after):
             steps = np.abs(np.diff(np.vstack([before, present, after]), axis=0))
-            jump = int(np.argmax(steps.max(axis=1)))
-        else:
-            jump = len(angles) if after is None else 0
-        start, end = (present[0] if x is None else x for x in (before, after))
+            jump = int(np.argmax(steps.max(axis=1, initial=0.0)))
+        start, end = (next(iter(x), present[0]) for x in (before, after))
         first = quaternions.continuous_angles(angles[:jump], self.angle_unit * start)
         last = quaternions.continuous_angles(angles[jump:][::-1], self.angle_unit * end)[::-1]
         return np.concatenate([first, last]) / self.angle_unit
 
 
+JointChannels = dict[str, Channels]
+"""The channels of each joint by its name, in the order of the skeleton's joints."""
+
+
+def columns_of(channels: JointChannels) -> list[np.ndarray]:
+    """The columns of each joint in a frame, which has the numbers of one joint after the other."""
+    ends = np.cumsum([len(of_joint.names) for of_joint in channels.values()])
+    return np.split(np.arange(ends[-1]), ends[:-1])
+
+
 def read_pose(
-    channels: list[Channels], offsets: np.ndarray, values: np.ndarray
+    channels: JointChannels, offsets: np.ndarray, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Quaternions (F, J, 4) and translations (F, J, 3) in metres from a table of numbers (F, C).
 
@@ -107,12 +101,13 @@ def read_pose(
     """
     rotations = np.empty((len(values), len(channels), 4))
     translations = np.tile(offsets, (len(values), 1, 1))
+    columns = columns_of(channels)
     for first in range(0, len(values), _BLOCK):
         block = values[first : first + _BLOCK]
         turned, placed = (x[first : first + _BLOCK] for x in (rotations, translations))
-        for joint, of_joint in enumerate(channels):
-            for coordinate, column in zip(of_joint.coordinates, of_joint.columns("t"), strict=True):
-                place = of_joint.offset[coordinate]
-                placed[:, joint, coordinate] = place + of_joint.unit * block[:, column]
-            turned[:, joint] = of_joint.rotations(block[:, of_joint.columns("r")])
+        for joint, of_joint in enumerate(channels.values()):
+            lengths = of_joint.unit * block[:, columns[joint][of_joint.places("t")]]
+            coordinates = of_joint.coordinates
+            placed[:, joint, coordinates] = of_joint.offset[coordinates] + lengths
+            turned[:, joint] = of_joint.rotations(block[:, columns[joint][of_joint.places("r")]])
     return rotations, translations

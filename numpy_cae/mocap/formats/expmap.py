@@ -97,8 +97,7 @@ def read_expmap(path: str | Path, unit: float | None = None) -> Motion:
     translations = np.tile(rig.skeleton.offsets, (len(values), 1, 1))
     translations[:, 0] = values[:, :3] * metres
     vectors = values[:, 3:].reshape(len(values), -1, 3)[:, rig.joints]
-    rotations = quaternions.from_vector(-vectors.reshape(-1, 3))
-    rotations = rotations.reshape(len(values), -1, 4)
+    rotations = quaternions.from_vector(-vectors)
     if rig is CMU:
         rotations[:, 0] = cmu_root(rotations[:, 0])
     source = "of such text" if unit is None else "as given"

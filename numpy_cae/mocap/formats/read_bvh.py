@@ -30,7 +30,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.mocap.coordinates import guess_unit, require_unit, stated_unit, stature
-from numpy_cae.mocap.formats.channels import Channels, read_pose
+from numpy_cae.mocap.formats.channels import Channels, JointChannels, read_pose
 from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
@@ -53,30 +53,19 @@ _SKIPPABLE = re.compile(r"[^-+.\d{}][^{}]*")
 class BvhJoint:
     """A ROOT or JOINT block that begins on `line`, or an End Site; vectors are in the file's unit.
 
-    `index` is that of the joint, or of the joint that an End Site ends; the block is open below
-    its {. `channels` are names such as "tX" or "rZ", in the order of the file. `tip` is the offset
-    of the joint's End Site, of the first if a hand has one for each finger.
+    `may_follow` are the statements that may follow: "{" alone where it is the first, "}" only
+    after OFFSET. `channels` are names such as "tX" or "rZ", in the order of the file. `end` is the
+    joint's End Site, the first if a hand has one for each finger.
     """
 
     name: str
     index: int
     parent: int
     line: int
-    is_end_site: bool = False
-    is_open: bool = False
+    may_follow: list[str]
     offset: list[float] | None = None
-    channels: list[str] | None = None
-    tip: list[float] | None = None
-
-    @property
-    def may_follow(self) -> list[str]:
-        """The statements that may follow inside the block; "}" may follow only after OFFSET."""
-        if not self.is_open:
-            return ["{"]
-        keywords = ["OFFSET" if self.offset is None else "}"]
-        if not self.is_end_site:
-            keywords += ["CHANNELS"] * (self.channels is None) + ["JOINT", "End Site"]
-        return keywords
+    channels: tuple[str, ...] = ()
+    end: "BvhJoint | None" = None
 
 
 def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None = None) -> Motion:
@@ -117,10 +106,15 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     (240, ('root', 'lhipjoint'))
     """
     file = TextFile.read(path)
-    joints, motion_line, skipped = read_hierarchy(file)
+    joints, motion_line, skipped = _Hierarchy(file).read()
     rate, values, miscounted = _read_motion(file, motion_line, joints, max_rate)
     del file  # the text of an hour at 120 Hz takes half a gigabyte
-    skeleton = _skeleton(joints)
+    skeleton = Skeleton(
+        tuple(joint.name for joint in joints),
+        tuple(joint.parent for joint in joints),
+        np.array([joint.offset for joint in joints], dtype=np.float64),
+        {index: np.array(joint.end.offset) for index, joint in enumerate(joints) if joint.end},
+    )
     rotations, translations = read_pose(_channels(joints, 1.0), skeleton.offsets, values)
     is_still = len(values) > 1 and (values[-1] == values[0]).all() and (values == values[0]).all()
     del values
@@ -138,26 +132,14 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     return Motion(skeleton.scaled(unit), rate, rotations, translations, unit, notes)
 
 
-def bvh_channels(path: str | Path, unit: float) -> list[Channels]:
+def bvh_channels(path: str | Path, unit: float) -> JointChannels:
     """The channels of each joint of a BVH file; `unit` is metres in its unit of length."""
-    joints, *_ = read_hierarchy(TextFile.read(path, header=True))
+    joints, *_ = _Hierarchy(TextFile.read(path, header=True)).read()
     return _channels(joints, unit)
 
 
-def _channels(joints: list[BvhJoint], unit: float) -> list[Channels]:
-    names = [tuple(joint.channels or ()) for joint in joints]
-    firsts = np.cumsum([0, *map(len, names)]).tolist()
-    return [Channels(*each, unit) for each in zip(names, firsts, strict=False)]
-
-
-def _skeleton(joints: list[BvhJoint]) -> Skeleton:
-    """In the unit of the file."""
-    return Skeleton(
-        tuple(joint.name for joint in joints),
-        tuple(joint.parent for joint in joints),
-        np.array([joint.offset for joint in joints], dtype=np.float64),
-        {index: np.array(joint.tip) for index, joint in enumerate(joints) if joint.tip is not None},
-    )
+def _channels(joints: list[BvhJoint], unit: float) -> JointChannels:
+    return {joint.name: Channels(joint.channels, unit) for joint in joints}
 
 
 def _read_motion(
@@ -165,10 +147,9 @@ def _read_motion(
 ) -> tuple[float, np.ndarray, list[Note]]:
     """The frames a second and the table (frames, channels) in the text below MOTION, and a note if
     the number of frames that the file states is not that of the lines."""
-    channels = sum(len(joint.channels or ()) for joint in joints)
-    count_line, count = _header(file, motion_line, r"frames\s*:?\s*(.*)", "Frames: and a number")
-    pattern = r"frame\s*time\s*:?\s*(.*)"
-    time_line, time = _header(file, count_line, pattern, "Frame Time: and seconds")
+    channels = sum(len(joint.channels) for joint in joints)
+    count_line, count = _header(file, motion_line, "frames", "Frames: and a number")
+    time_line, time = _header(file, count_line, r"frame\s*time", "Frame Time: and seconds")
     stated = whole_number(count)
     if stated is None:
         raise file.error(count_line, f"Frames: {quoted(count)}, expected a whole number")
@@ -194,10 +175,10 @@ def _read_motion(
     return rate, values, notes + file.lost_values(values)
 
 
-def _header(file: TextFile, after: int, pattern: str, expected: str) -> tuple[int, str]:
-    """The number of the next line that is not blank, and the first group of the pattern in it."""
+def _header(file: TextFile, after: int, keyword: str, expected: str) -> tuple[int, str]:
+    """The number of the next line that is not blank, and the text after the keyword in it."""
     for line, text in file.numbered(after):
-        match = re.fullmatch(pattern, text.strip(), re.IGNORECASE)
+        match = re.fullmatch(rf"{keyword}\s*:?\s*(.*)", text.strip(), re.IGNORECASE)
         if match is not None:
             return line, match[1]
         if text.strip():
@@ -218,105 +199,113 @@ def _rate(file: TextFile, line: int, time: str) -> float:
     return float(rounded) if abs(rate / rounded - 1) < 1e-4 else rate
 
 
-def read_hierarchy(file: TextFile) -> tuple[list[BvhJoint], int, list[Note]]:
-    """The joints, parents before children, the number of the line MOTION, and a note if lines were
-    skipped.
+class _Hierarchy:
+    """Reads the HIERARCHY of a file.
 
-    Raises MotionFileError if the block is not valid BVH.
+    Attributes
+    ----------
+    joints : dict of str to BvhJoint
+        Parents before children, by their names without prefix.
+    blocks : list of BvhJoint
+        The file, in which ROOT may follow, then the blocks that have not ended, the root's first.
+    skipped : list of int
+        The numbers of the lines that hold no statement.
     """
-    joints: dict[str, BvhJoint] = {}  # by their names without prefix
-    blocks: list[BvhJoint] = []  # those that have not ended, the root's first
-    skipped: list[int] = []
-    for line, keyword, value in _statements(file, skipped):
-        _require_expected(file, line, f"{keyword} {value}".strip(), blocks, bool(joints))
-        if keyword == "MOTION":
-            lines = f"{len(skipped)} unknown line{'s' * (len(skipped) > 1)} of the hierarchy"
-            text = f"skipped {lines}, first line {skipped[0]}" if skipped else ""
-            return [*joints.values()], line, [Note("skipped lines", text)] if skipped else []
-        if keyword == "{":
-            blocks[-1].is_open = True
-        elif keyword == "OFFSET":
-            words = [word.strip(",") for word in value.translate(_BRACKETS).split()]
-            words = words if len(words) == 3 else value.translate(_BRACKETS | _COMMA).split()
-            blocks[-1].offset = file.numbers(line, words, 3, "OFFSET")
-        elif keyword == "CHANNELS":
-            blocks[-1].channels = _channel_names(file, line, value)
-        elif keyword == "}":
-            block = blocks.pop()
-            if block.is_end_site:
-                blocks[-1].tip = blocks[-1].tip or block.offset
-        else:
-            blocks.append(_new_block(file, line, keyword, value, blocks, joints))
-    raise file.error(file.count, f"the file ends{_place(blocks)} without MOTION: is it cut off?")
+
+    def __init__(self, file: TextFile):
+        self.file = file
+        self.joints: dict[str, BvhJoint] = {}
+        self.blocks = [BvhJoint("", -1, -1, 0, ["ROOT"])]
+        self.skipped: list[int] = []
+
+    def read(self) -> tuple[list[BvhJoint], int, list[Note]]:
+        """The joints, the number of the line MOTION, and a note if lines were skipped.
+
+        Raises MotionFileError if the block is not valid BVH.
+        """
+        for line, keyword, value in self._statements():
+            self._require_expected(line, f"{keyword} {value}".strip())
+            if keyword == "MOTION":
+                count = len(self.skipped)
+                text = f"skipped {count} unknown line{'s' * (count > 1)} of the hierarchy"
+                notes = [Note("skipped lines", f"{text}, first line {n}") for n in self.skipped[:1]]
+                return [*self.joints.values()], line, notes
+            if keyword in ("ROOT", "JOINT", "End Site"):
+                self.blocks.append(self._new_block(line, keyword, value))
+                continue
+            block = self.blocks[-1]
+            if keyword == "{":
+                block.may_follow.pop(0)
+            elif keyword == "OFFSET":
+                words = [word.strip(",") for word in value.translate(_BRACKETS).split()]
+                words = words if len(words) == 3 else value.translate(_BRACKETS | _COMMA).split()
+                block.offset = self.file.numbers(line, words, 3, "OFFSET")
+                block.may_follow[0] = "}"
+            elif keyword == "CHANNELS":
+                block.channels = _channel_names(self.file, line, value)
+                block.may_follow.remove("CHANNELS")
+            else:
+                self.blocks.pop()
+        problem = f"the file ends{self._place()} without MOTION: is it cut off?"
+        raise self.file.error(self.file.count, problem)
+
+    def _statements(self) -> Iterator[tuple[int, str, str]]:
+        """(line number, keyword, value) of each statement; a brace is one anywhere in a line."""
+        started = False
+        for line, text in self.file.numbered():
+            for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
+                keyword, value = [*statement.split(maxsplit=1), ""][:2]
+                if not started and statement.upper() != "HIERARCHY":
+                    problem = "expected HIERARCHY, as every BVH file begins, found"
+                    raise self.file.error(line, f"{problem} {quoted(statement)}")
+                if keyword.upper() in ("END", "ENDSITE"):  # some programs name it: End left_hand
+                    yield line, "End Site", ""
+                elif keyword.upper() not in _KEYWORDS and _SKIPPABLE.fullmatch(text.strip()):
+                    self.skipped.append(line)
+                elif started:
+                    yield line, keyword.upper(), value
+                started = True
+
+    def _require_expected(self, line: int, statement: str) -> None:
+        """Raise MotionFileError unless this statement may follow here."""
+        keyword, _, name = statement.partition(" ")
+        expected = self.blocks[-1].may_follow
+        expected = expected[:1] if expected[0] == "{" else expected
+        if keyword == "ROOT" and expected == ["MOTION"]:
+            problem = f"a second ROOT, {quoted(name)}: a file may hold one skeleton; delete this"
+            raise self.file.error(line, f"{problem} one and its columns of values")
+        if keyword not in expected and statement not in expected:
+            problem = f"expected {' or '.join(expected)}{self._place()}, found {quoted(statement)}"
+            raise self.file.error(line, problem)
+
+    def _place(self) -> str:
+        """The block that has not ended, for an error."""
+        block = self.blocks[-1]
+        return f" in {block.name!r} (line {block.line})" if block.line else ""
+
+    def _new_block(self, line: int, keyword: str, name: str) -> BvhJoint:
+        """The joint or End Site that begins on a line; a joint is added to the joints."""
+        parent = self.blocks[-1].index
+        if keyword == "End Site":
+            joint = self.blocks[-1]
+            end = BvhJoint(f"End Site of {joint.name}", -1, parent, line, ["{", "OFFSET"])
+            joint.end = joint.end or end
+            return end
+        plain = name.rsplit(":", 1)[-1]
+        if not name or plain in self.joints:
+            problem = "expected a name that is unique without its prefix up to a colon"
+            raise self.file.error(line, f"{keyword} {name!r}: {problem}")
+        if len(self.joints) == MAX_JOINTS:
+            raise self.file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
+        self.blocks[0].may_follow = ["MOTION"]
+        may_follow = ["{", "OFFSET", "CHANNELS", "JOINT", "End Site"]
+        self.joints[plain] = BvhJoint(name, len(self.joints), parent, line, may_follow)
+        return self.joints[plain]
 
 
-def _require_expected(
-    file: TextFile, line: int, statement: str, blocks: list[BvhJoint], has_joints: bool
-) -> None:
-    """Raise MotionFileError unless this statement may follow here."""
-    keyword, _, name = statement.partition(" ")
-    expected = ["MOTION"] if has_joints else ["ROOT"]
-    if blocks:
-        expected = blocks[-1].may_follow
-    elif keyword == "ROOT" and has_joints:
-        problem = f"a second ROOT, {quoted(name)}: a file may hold one skeleton; delete this"
-        raise file.error(line, f"{problem} one and its columns of values")
-    if keyword not in expected and statement not in expected:
-        problem = f"expected {' or '.join(expected)}{_place(blocks)}, found {quoted(statement)}"
-        raise file.error(line, problem)
-
-
-def _place(blocks: list[BvhJoint]) -> str:
-    """The block that has not ended, for an error."""
-    return f" in {blocks[-1].name!r} (line {blocks[-1].line})" if blocks else ""
-
-
-def _new_block(
-    file: TextFile,
-    line: int,
-    keyword: str,
-    name: str,
-    blocks: list[BvhJoint],
-    joints: dict[str, BvhJoint],
-) -> BvhJoint:
-    """The joint or End Site that begins on a line; a joint is added to the joints."""
-    parent = blocks[-1].index if blocks else -1
-    if keyword == "End Site":
-        return BvhJoint(f"End Site of {blocks[-1].name}", parent, parent, line, is_end_site=True)
-    plain = name.rsplit(":", 1)[-1]
-    if not name or plain in joints:
-        problem = "expected a name that is unique without its prefix up to a colon"
-        raise file.error(line, f"{keyword} {name!r}: {problem}")
-    if len(joints) == MAX_JOINTS:
-        raise file.error(line, f"the skeleton has more than {MAX_JOINTS} joints")
-    joints[plain] = BvhJoint(name, len(joints), parent, line)
-    return joints[plain]
-
-
-def _statements(file: TextFile, skipped: list[int]) -> Iterator[tuple[int, str, str]]:
-    """(line number, keyword, value) of each statement; a brace is one anywhere in a line.
-
-    The numbers of the lines that hold no statement are added to `skipped`.
-    """
-    started = False
-    for line, text in file.numbered():
-        for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
-            keyword, value = [*statement.split(maxsplit=1), ""][:2]
-            if not started and statement.upper() != "HIERARCHY":
-                problem = "expected HIERARCHY, as every BVH file begins, found"
-                raise file.error(line, f"{problem} {quoted(statement)}")
-            if keyword.upper() in ("END", "ENDSITE"):  # some programs name it: End left_hand
-                yield line, "End Site", ""
-            elif keyword.upper() not in _KEYWORDS and _SKIPPABLE.fullmatch(text.strip()):
-                skipped.append(line)
-            elif started:
-                yield line, keyword.upper(), value
-            started = True
-
-
-def _channel_names(file: TextFile, line: int, value: str) -> list[str]:
+def _channel_names(file: TextFile, line: int, value: str) -> tuple[str, ...]:
     count, *names = value.split() or [""]
-    channels = [_LOWER_CASE.get(name.lower(), "") for name in names]
+    channels = tuple(_LOWER_CASE.get(name.lower(), "") for name in names)
     if "" in channels or len(set(channels)) < len(names) or whole_number(count) != len(names):
         expected = f"the number of channels and different names of {', '.join(CHANNELS)}"
         raise file.error(line, f"CHANNELS {quoted(value)}: expected {expected}")

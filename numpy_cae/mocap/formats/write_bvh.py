@@ -8,7 +8,6 @@ a limb needs an End Site.
 """
 
 from collections.abc import Iterator
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -75,8 +74,9 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     lines = ["HIERARCHY", *_joint_lines(motion.skeleton, order, moving, unit), "MOTION"]
     lines += [f"Frames: {len(motion)}", f"Frame Time: {1 / motion.rate:.10g}"]
     with atomic_write(path) as temp, temp.open("w", encoding="utf-8", newline="\n") as file:
-        for line in chain(lines, _frame_lines(motion, order, moving, unit)):
-            file.write(line + "\n")
+        file.write("\n".join(lines) + "\n")
+        values, formats = _table(motion, order, moving, unit)
+        np.savetxt(file, values, formats)
 
 
 def _require_readable(motion: Motion, unit: float) -> None:
@@ -123,7 +123,10 @@ def _joint_lines(
         yield from ("  " * level + "}" for level in range(depth, next_depth - 1, -1))
 
 
-def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float) -> Iterator[str]:
+def _table(
+    motion: Motion, order: list[int], moving: set[int], unit: float
+) -> tuple[np.ndarray, list[str]]:
+    """The numbers of each frame, and the format of each column."""
     columns: list[np.ndarray] = []
     formats: list[str] = []
     for joint in order:
@@ -134,9 +137,7 @@ def _frame_lines(motion: Motion, order: list[int], moving: set[int], unit: float
         angles = continuous_angles(nearest_angles(motion.rotations[:, joint], "ZXY"))
         columns.append(np.degrees(angles))
         formats += [ANGLE_FORMAT] * 3
-    line = " ".join(formats)
-    for values in np.concatenate(columns, axis=1).tolist():
-        yield line % tuple(values)
+    return np.concatenate(columns, axis=1), formats
 
 
 def require_bvh(path: str | Path) -> None:

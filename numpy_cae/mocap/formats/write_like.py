@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap.coordinates import as_in_file
 from numpy_cae.mocap.formats.amc import amc_channels
-from numpy_cae.mocap.formats.channels import Channels
+from numpy_cae.mocap.formats.channels import JointChannels, columns_of
 from numpy_cae.mocap.formats.read_bvh import bvh_channels
 from numpy_cae.mocap.formats.text_file import MotionFileError, as_number
 from numpy_cae.motion.masks import runs
@@ -34,11 +34,6 @@ _FRAMES = re.compile(r"(Frames:\s*)\d+", re.IGNORECASE)
 """_FRAMES: the number of frames in the header of a BVH file."""
 _GAPS = re.compile(r"(\s+|(?<!\.)#[^\r\n]*)")
 """_GAPS: white space and comments, which separate words; 1.#QNAN is a word."""
-
-
-_Numbers = Callable[[list[str]], Sequence[int]]
-"""A function from the words of a frame to the indices of its numbers among them, in the order of
-the columns of `Channels`."""
 
 
 def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
@@ -84,8 +79,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     require_finite(after)
     is_bvh = source.suffix.lower() == ".bvh"
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
-    numbers = None if is_bvh else _amc_numbers(channels, before.skeleton.names)
-    replacer = _Replacer(channels, numbers)
+    replacer = _Replacer(channels, is_bvh)
     cut = len(before) - len(after)
     with (
         atomic_write(path) as temporary,
@@ -126,21 +120,25 @@ class _Replacer:
 
     Parameters
     ----------
-    channels : list of Channels
-    numbers : _Numbers
+    channels : JointChannels
+    is_bvh : bool
+        A frame is then a line of numbers; else it names each bone before its numbers.
 
     Attributes
     ----------
-    last : array or None
-        The numbers of the last frame of the block before.
+    columns : list of arrays
+        The columns of each joint.
+    last : (1, C) array
+        The numbers of the last frame of the block before; (0, C) in the first block.
     misses : dict
         What channels do not allow: joint and unit, ° or cm, to the largest amount.
     """
 
-    def __init__(self, channels: list[Channels], numbers: _Numbers | None):
+    def __init__(self, channels: JointChannels, is_bvh: bool):
         self.channels = channels
-        self.numbers = numbers
-        self.last: np.ndarray | None = None
+        self.is_bvh = is_bvh
+        self.columns = columns_of(channels)
+        self.last = np.zeros((0, sum(map(len, self.columns))))
         self.misses: dict[tuple[str, str], float] = {}
 
     def replaced(self, texts: list[str], before: Motion, after: Motion) -> list[str]:
@@ -154,7 +152,7 @@ class _Replacer:
         values, places_in = self._parsed(texts, np.flatnonzero(parsed).tolist())
         old = values.copy()
         self._put(values, as_in_file(after), turned, steps)
-        self.last = values[-1]
+        self.last = values[-1:]
         decimals = _decimals(texts, places_in)
         # What was a NaN is written, too.
         new = changed[:, None] & ~(np.abs(values - old) <= 0.5 * 10.0**-decimals)
@@ -171,14 +169,13 @@ class _Replacer:
     ) -> tuple[np.ndarray, dict[int, list[int]]]:
         """The numbers of some frames, (all frames, channels), and for each of these frames the
         places of its numbers among the pieces of its text."""
-        width = sum(len(of_joint.names) for of_joint in self.channels)
+        width = self.last.shape[1]
         values = np.zeros((len(texts), width))
         places_in = {}
         for frame in frames:
             # Frames are split again later: the words of all of them do not fit in the cache.
             pieces, words = _split(texts[frame])
-            order = self.numbers([pieces[word] for word in words]) if self.numbers else None
-            places_in[frame] = [words[index] for index in order] if order else list(words)
+            places_in[frame] = list(words) if self.is_bvh else self._places(pieces, words)
             if (count := len(places_in[frame])) != width:
                 problem = f"a frame has {count} numbers, but had {width} when it was read"
                 raise ValueError(problem)
@@ -189,41 +186,41 @@ class _Replacer:
                 values[frame] = list(map(as_number, texts_of_numbers))
         return values, places_in
 
+    def _places(self, pieces: list[str], words: Sequence[int]) -> list[int]:
+        """Of the words of a frame, its number, then for each bone the name and the values, the
+        places of the values in the order of the columns."""
+        places: dict[str, Sequence[int]] = {}
+        start = 1
+        while start < len(words):
+            name = pieces[words[start]]
+            end = start + 1 + len(self.channels[name].names)
+            places[name] = words[start + 1 : end]
+            start = end
+        return [place for name in self.channels for place in places.get(name, ())]
+
     def _put(
         self, values: np.ndarray, after: Motion, turned: np.ndarray, steps: np.ndarray
     ) -> None:
         """Put the numbers of a motion into `values` where a joint turned, or moved by `steps` (cm),
         each (F, J)."""
-        for joint, of_joint in enumerate(self.channels):
-            frames = np.flatnonzero(~(steps[:, joint] <= 0)).tolist()  # a step from a NaN is one
-            place = np.ix_(frames, of_joint.columns("t"))
-            values[place] = of_joint.position_values(after.translations[frames, joint])
-            name = after.skeleton.names[joint]
-            if turned[:, joint].any():
-                rotations = after.rotations[:, joint]
-                angle = self._put_angles(values, rotations, turned[:, joint], of_joint)
-                self._note(name, "°", angle)
+        for joint, (name, of_joint) in enumerate(self.channels.items()):
+            columns = self.columns[joint]
+            frames = np.flatnonzero(~(steps[:, joint] <= 0))  # a step from a NaN is one, too
+            place = np.ix_(frames, columns[of_joint.places("t")])
+            lengths = (after.translations[frames, joint] - of_joint.offset) / of_joint.unit
+            values[place] = lengths[:, of_joint.coordinates]
+            columns = columns[of_joint.places("r")]
+            for first, end in runs(turned[:, joint]):
+                wanted = after.rotations[first:end, joint]
+                before = values[first - 1 : first] if first else self.last
+                around = before[:, columns], values[end : end + 1, columns]
+                angles = of_joint.rotation_values(wanted, values[first:end, columns], *around)
+                values[first:end, columns] = angles
+                if len(columns) < 3:
+                    off = angle(product(inverse(of_joint.rotations(angles)), wanted))
+                    self._note(name, "°", float(np.degrees(off.max())))
             if len(of_joint.coordinates) < 3:
                 self._note(name, " cm", float(steps[:, joint].max()))
-
-    def _put_angles(
-        self, values: np.ndarray, rotations: np.ndarray, turned: np.ndarray, channels: Channels
-    ) -> float:
-        """Put the angles of a joint's changed frames into `values`; return the largest error,
-        degrees."""
-        columns = channels.columns("r")
-        miss = 0.0
-        for first, end in runs(turned):
-            before = values[first - 1, columns] if first else None
-            before = self.last[columns] if first == 0 and self.last is not None else before
-            after = values[end, columns] if end < len(values) else None
-            wanted = rotations[first:end]
-            angles = channels.rotation_values(wanted, values[first:end, columns], before, after)
-            values[first:end, columns] = angles
-            if len(columns) < 3:
-                off = angle(product(inverse(channels.rotations(angles)), wanted))
-                miss = max(miss, float(np.degrees(off.max())))
-        return miss
 
     def _note(self, joint: str, unit: str, miss: float) -> None:
         if miss > _NOTICEABLE:
@@ -270,21 +267,3 @@ def _parts(lines: Iterable[str], is_bvh: bool) -> Iterator[str]:
             part = []
         part.append(line)
     yield "".join(part)
-
-
-def _amc_numbers(channels: list[Channels], names: Sequence[str]) -> _Numbers:
-    """Of a frame of an .amc file: its number, then for each bone the name and the values."""
-    index = {name: joint for joint, name in enumerate(names)}
-
-    def numbers(words: list[str]) -> list[int]:
-        places = [0] * sum(len(of_joint.names) for of_joint in channels)
-        place = 1
-        while place < len(words):
-            of_joint = channels[index[words[place]]]
-            first = of_joint.first
-            count = len(of_joint.names)
-            places[first : first + count] = range(place + 1, place + 1 + count)
-            place += 1 + count
-        return places
-
-    return numbers
