@@ -57,12 +57,10 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     """
     by_names = rigs.with_rig(motion, rigs.rig_by_names(motion.skeleton, mapping))
     names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.found.items()}
-    if len(names) < len(JOINTS):
-        by_names = with_added_joints(by_names, estimate=mapping is not None)
-    is_complete = len(by_names.rig.found) == len(JOINTS)
-    if is_complete and not order_problem(by_names.skeleton, by_names.rig):
-        problem = "" if mapping else _doubt(by_names)  # an animal's rig may have a person's names
-        return _noted(by_names, f"is this a person? {problem}" if problem else "", in_doubt=True)
+    named = with_added_joints(by_names, estimate=mapping is not None)
+    if not order_problem(named):
+        problem = "" if mapping else doubt(named)  # an animal's rig may have a person's names
+        return _noted(named, f"is this a person? {problem}" if problem else "", in_doubt=True)
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
     offsets = np.median(motion.sampled(_POSES).translations, axis=0)
     suggested = suggest_mapping(replace(motion.skeleton, offsets=offsets))
@@ -70,16 +68,15 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     for candidate in filter(None, (suggested | names, names, suggested)):
         rig = rigs.rig_by_names(motion.skeleton, candidate | by_names.rig.given)
         proposed = with_added_joints(rigs.with_rig(motion, rig), estimate=True)
-        problem = _doubt(proposed)
+        problem = doubt(proposed)
         if not problem:
             return _noted(proposed, _how_found(proposed, names))
     estimated = with_added_joints(by_names, estimate=True)
-    complete = len(estimated.rig.found) == len(JOINTS) and not is_complete
-    if complete and not order_problem(estimated.skeleton, estimated.rig):
-        text = f"is this a person? {_doubt(estimated)}; {_how_found(estimated, names)}"
+    if not order_problem(estimated):
+        text = f"is this a person? {doubt(estimated)}; {_how_found(estimated, names)}"
         return _noted(estimated, text, in_doubt=True)
-    is_unknown = problem and not is_complete
-    return _noted(by_names, f"rig not recognised: {problem}" if is_unknown else "", in_doubt=True)
+    is_unknown = problem and len(named.rig.found) < len(JOINTS)
+    return _noted(named, f"rig not recognised: {problem}" if is_unknown else "", in_doubt=True)
 
 
 def _noted(motion: RiggedMotion, text: str, in_doubt: bool = False) -> RiggedMotion:
@@ -88,25 +85,13 @@ def _noted(motion: RiggedMotion, text: str, in_doubt: bool = False) -> RiggedMot
     return replace(motion, notes=(*motion.notes, note)) if text else motion
 
 
-def _doubt(proposed: RiggedMotion) -> str:
-    """Why the proposed joints may be wrong; empty if there is no reason to doubt."""
-    joints = proposed.rig.joints
-    if len(set(joints)) < len(JOINTS):
-        return f"only {len(set(joints))} of the 20 joints were found"
-    poses = proposed.sampled(_POSES)
-    rest = replace(proposed.skeleton, offsets=np.median(poses.translations, axis=0))
-    body = np.concatenate([rest.rest_positions()[None, joints], poses.positions(joints)])
-    return doubt(proposed.skeleton, proposed.rig, body)
-
-
 def _how_found(motion: RiggedMotion, names: dict[str, str]) -> str:
     """How the joints were found, for a person; `names` are those that a known rig's names gave."""
     rig = motion.rig
     by_hierarchy = [joint for joint, name in rig.given.items() if names.get(joint) != name]
     added = [joint for joint in JOINTS if rig.found[joint] in rig.added]
-    listed = ", ".join(by_hierarchy)
-    if len(by_hierarchy) >= _FEW:
-        listed = f"{len(by_hierarchy)} joints"
+    many = len(by_hierarchy) >= _FEW
+    listed = f"{len(by_hierarchy)} joints" if many else ", ".join(by_hierarchy)
     ways = [f"{listed} found by the hierarchy"] if by_hierarchy else []
     ways += [f"{', '.join(added)} added"] if added else []
     return f"{' and '.join(ways)}: `numpy-cae rig` lists the joints"
@@ -137,9 +122,7 @@ def rig_of(motion: Motion) -> Rig:
     >>> [walk.skeleton.names[joint] for joint in rig_of(walk).joints[:4]]
     ['root', 'upperback', 'thorax', 'head']
     """
-    rig = rigs.own_rig(motion)
-    _require_all(rig, motion.skeleton)
-    return rig
+    return _complete(rigs.own_rig(motion), motion.skeleton)
 
 
 def find_joints(skeleton: Skeleton) -> list[int]:
@@ -167,15 +150,13 @@ def find_joints(skeleton: Skeleton) -> list[int]:
     >>> [skeleton.names[joint] for joint in find_joints(skeleton)[:4]]  # hips, spine, chest, head
     ['root', 'upperback', 'thorax', 'head']
     """
-    rig = rigs.rig_by_names(skeleton)
-    _require_all(rig, skeleton)
-    return rig.joints
+    return _complete(rigs.rig_by_names(skeleton), skeleton).joints
 
 
-def _require_all(rig: Rig, skeleton: Skeleton) -> None:
-    """Raise UnknownRigError if one of the twenty joints is missing."""
+def _complete(rig: Rig, skeleton: Skeleton) -> Rig:
+    """The rig; UnknownRigError if one of the twenty joints is missing."""
     if len(rig.found) == len(JOINTS):
-        return
+        return rig
     names = {joint: rigs.RIGS[rig.known].get(joint, (joint,))[0] for joint in JOINTS} | rig.given
     missing = [joint for joint in JOINTS if joint not in rig.found]
     sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in missing)
@@ -242,28 +223,33 @@ where they end; the trunk ends at the chest and begins at the hips. In the files
 the ratios are 0.9 to 1.3, 1.0 to 1.7, 1.4 to 1.7, 1.5 to 2.1 and 0.5 to 0.8."""
 
 
-def order_problem(skeleton: Skeleton, rig: Rig) -> str:
-    """Which of the twenty joints does not descend from its parent in the rig, or from the next one
-    if the file lacks the parent; empty if all do."""
-    joints = rig.joints
+def order_problem(motion: RiggedMotion) -> str:
+    """Which of the twenty joints were not found, or does not descend from its parent in the rig, or
+    from the next one if the file lacks the parent; empty if all do."""
+    joints = motion.rig.joints
+    if len(set(joints)) < len(JOINTS):
+        return f"only {len(set(joints))} of the 20 joints were found"
     for joint, parent in list(enumerate(PARENTS))[1:]:
-        while joints[parent] in rig.added:
+        while joints[parent] in motion.rig.added:
             parent = PARENTS[parent]
-        if joints[parent] not in skeleton.path(joints[joint])[1:]:
+        if joints[parent] not in motion.skeleton.path(joints[joint])[1:]:
             return f"{JOINTS[joint]} is not below {JOINTS[parent]}"
     return ""
 
 
-def doubt(skeleton: Skeleton, rig: Rig, poses: np.ndarray) -> str:
-    """Why a rig's twenty joints may not be these; empty if there is no reason.
-
-    `poses` (N, 20, 3) are positions of the joints in the rest pose, then in some frames.
-    """
-    at = {joint: poses[:, index] for index, joint in enumerate(JOINTS)}
+def doubt(motion: RiggedMotion) -> str:
+    """Why a rig's twenty joints may not be these; empty if there is no reason."""
+    problem = order_problem(motion)
+    if problem:
+        return problem
+    poses = motion.sampled(_POSES)
+    rest = replace(motion.skeleton, offsets=np.median(poses.translations, axis=0))
+    joints = motion.rig.joints
+    body = np.concatenate([rest.rest_positions()[None, joints], poses.positions(joints)])
+    at = {joint: body[:, index] for index, joint in enumerate(JOINTS)}
     return (
-        order_problem(skeleton, rig)
-        or _side_problem(skeleton, rig, at)
-        or _length_problem(at, np.median(frame_lengths(poses), axis=0))
+        _side_problem(motion, at)
+        or _length_problem(at, np.median(frame_lengths(body), axis=0))
         or ("" if _mostly(_stands(at)) else "neither the rest pose nor most others are upright")
     )
 
@@ -273,13 +259,13 @@ def _mostly(in_pose: np.ndarray) -> bool:
     return bool(in_pose[0] or np.mean(in_pose[1:]) > 0.5)
 
 
-def _side_problem(skeleton: Skeleton, rig: Rig, at: dict[str, np.ndarray]) -> str:
+def _side_problem(motion: RiggedMotion, at: dict[str, np.ndarray]) -> str:
     across = at["left_hip"] - at["right_hip"]
     shoulders = at["left_shoulder"] - at["right_shoulder"]
     if not _mostly(np.sum(across * shoulders, axis=-1) > 0):
         return "an arm and a leg of one side are on different sides"
-    name = {our: skeleton.names[joint] for our, joint in rig.found.items()}
-    own = [our for our in JOINTS if rig.found[our] not in rig.added]
+    name = {our: motion.skeleton.names[joint] for our, joint in motion.rig.found.items()}
+    own = [our for our in JOINTS if motion.rig.found[our] not in motion.rig.added]
     lefts = [our for our in own if our.startswith("left")]
     sides = [rigs.left_or_right(name[our], name[our.replace("left", "right")]) for our in lefts]
     if "right" in sides:
@@ -290,9 +276,7 @@ def _side_problem(skeleton: Skeleton, rig: Rig, at: dict[str, np.ndarray]) -> st
         return "neither names nor toes tell left from right"
     forward = at["left_toe"] - at["left_ankle"] + at["right_toe"] - at["right_ankle"]
     left = np.cross(at["chest"] - at["hips"], forward)
-    if not _mostly(np.sum(left * across, axis=-1) > 0):
-        return "the toes point backwards"
-    return ""
+    return "" if _mostly(np.sum(left * across, axis=-1) > 0) else "the toes point backwards"
 
 
 def _length_problem(at: dict[str, np.ndarray], lengths: np.ndarray) -> str:
@@ -347,7 +331,7 @@ def with_added_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMot
     missing = [joint for joint in JOINTS if joint not in rig.found]
     parents = [rig.found.get(JOINTS[PARENTS[JOINTS.index(joint)]], -1) for joint in missing]
     ends = zip(missing, parents, strict=True)
-    offsets = [_offset(motion, rig, joint, parent, estimate) for joint, parent in ends]
+    offsets = [_offset(motion, joint, parent, estimate) for joint, parent in ends]
     if not missing or -1 in parents or not all(offset.any() for offset in offsets):
         return motion
     skeleton = motion.skeleton
@@ -370,43 +354,37 @@ def with_added_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMot
     )
 
 
-def _offset(motion: Motion, rig: Rig, joint: str, parent: int, estimate: bool) -> np.ndarray:
+def _offset(motion: RiggedMotion, joint: str, parent: int, estimate: bool) -> np.ndarray:
     """The offset of a missing joint from its parent in the rig; zero if it is not known."""
-    skeleton = motion.skeleton
-    offset = np.zeros(3)
     end, part = _BETWEEN.get(joint, ("", 0.0))
-    found = rig.found
-    if end in found and skeleton.parents[found[end]] == parent:
-        offset = part * np.nanmean(motion.translations[:, found[end]], axis=0)
-    elif JOINTS.index(joint) not in PARENTS:
-        offset = skeleton.end_sites.get(parent, offset)
-    if estimate and (joint == "head" or joint.endswith("toe")):
-        offset = _estimated(motion.sampled(_POSES), joint, found, offset)
-    return offset
-
-
-def _estimated(
-    poses: Motion, joint: str, found: dict[str, int], end_site: np.ndarray
-) -> np.ndarray:
-    """The offset of a toe or the head from the ankle or the chest: that of its End Site, or if it
-    is too short or missing, the median of the poses; zero if the joints around it are missing."""
-    side = joint.removesuffix("toe")
-    names = {"hips", "chest", "left_hip", "left_knee", "right_hip"}
-    names |= {f"{side}knee", f"{side}ankle"} if joint != "head" else set()
-    if not names <= set(found):
+    end_joint = motion.rig.found.get(end, 0)
+    if end and motion.skeleton.parents[end_joint] == parent:
+        return part * np.nanmean(motion.translations[:, end_joint], axis=0)
+    if JOINTS.index(joint) in PARENTS:
         return np.zeros(3)
-    positions, rotations = poses.forward_kinematics()
-    at = {name: positions[:, found[name]] for name in names}
-    parent = "chest" if joint == "head" else f"{side}ankle"
+    end_site = motion.skeleton.end_sites.get(parent, np.zeros(3))
+    is_estimated = estimate and not joint.endswith("wrist")
+    return _estimated(motion, joint, parent, end_site) if is_estimated else end_site
+
+
+def _estimated(motion: RiggedMotion, joint: str, parent: int, end_site: np.ndarray) -> np.ndarray:
+    """The offset of a toe from the ankle or the head from the chest: that of its End Site, or if it
+    is too short or missing, the median of some poses; zero if the joints around it are missing."""
+    side = "left" if joint == "head" else joint.removesuffix("_toe")
+    around = ("hips", "chest", "left_hip", "right_hip", f"{side}_knee", f"{side}_ankle")
+    if not set(around) <= set(motion.rig.found):
+        return np.zeros(3)
+    positions, rotations = motion.sampled(_POSES).forward_kinematics()
+    joints = [motion.rig.found[name] for name in around]
+    hips, chest, left, right, knee, ankle = positions[:, joints].swapaxes(0, 1)
     if joint == "head":
-        along = unit_vectors(at["chest"] - at["hips"])
-        distance = _HEAD * np.linalg.norm(at["left_knee"] - at["left_hip"], axis=-1)
+        distance = _HEAD * np.linalg.norm(knee - left, axis=-1, keepdims=True)
+        along = unit_vectors(chest - hips)
     else:
-        shin = at[f"{side}ankle"] - at[f"{side}knee"]
-        forward = np.cross(at["left_hip"] - at["right_hip"], -shin)
+        shin = ankle - knee
+        distance = _TOE * np.linalg.norm(shin, axis=-1, keepdims=True)
+        forward = np.cross(left - right, -shin)
         along = 0.87 * unit_vectors(forward) + 0.5 * unit_vectors(shin)  # as in `REST_DIRECTIONS`
-        distance = _TOE * np.linalg.norm(shin, axis=-1)
         if np.linalg.norm(end_site) > _SHORT_SHARE / _TOE * np.median(distance):
             return end_site
-    offsets = rotate(inverse(rotations[:, found[parent]]), distance[:, None] * along)
-    return np.median(offsets, axis=0)
+    return np.median(rotate(inverse(rotations[:, parent]), distance * along), axis=0)

@@ -13,6 +13,7 @@ import numpy as np
 
 from numpy_cae.mocap.rigs.rigs import add_trunk, left_or_right
 from numpy_cae.motion import JOINTS, Skeleton
+from numpy_cae.motion.joints import SIDES
 
 _MAX_JOINTS = 1000
 """_MAX_JOINTS: nothing is suggested for a skeleton with more joints."""
@@ -51,11 +52,11 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
         return {}
     legs, arms = pairs
     found = {"hips": _meeting_joint(skeleton, legs[0], arms[0]), "chest": arms[0]}
-    left = _left(skeleton, chains, legs[1:], found["chest"], found["hips"])
+    limbs = {start: _limb(skeleton, chains[start]) for start in (*legs[1:], *arms[1:])}
+    left = _left(skeleton, [limbs[start][3:] for start in legs[1:]], found)
     for names, pair in ((_LEG, legs), (_ARM, arms)):
-        starts = _left_first(skeleton, pair[1:], left)
-        for side, start in zip(("left", "right"), starts, strict=True):
-            limb = zip(names, _limb(skeleton, chains[start]), strict=True)
+        for side, start in zip(SIDES, _left_first(skeleton, pair[1:], left), strict=True):
+            limb = zip(names, limbs[start], strict=True)
             found |= {f"{side}_{name}": at for name, at in limb if name and at is not None}
     necks = [chains[child] for child in skeleton.children(arms[0]) if child not in arms]
     if necks:
@@ -64,17 +65,13 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
     return {joint: skeleton.names[found[joint]] for joint in JOINTS if joint in found}
 
 
-def _left(
-    skeleton: Skeleton, chains: list[list[int]], legs: Sequence[int], chest: int, hips: int
-) -> np.ndarray:
-    """How far each joint is to the left in the rest pose, (J,), where toes tell the front."""
+def _left(skeleton: Skeleton, feet: list[tuple], found: dict[str, int]) -> np.ndarray:
+    """How far each joint is to the left in the rest pose, (J,), where toes tell the front; `feet`
+    are the ankle and the toe of both legs, or None."""
     places = skeleton.rest_positions()
-    forward = np.zeros(3)
-    for start in legs:
-        ankle, toe = _limb(skeleton, chains[start])[3:]
-        if ankle is not None and toe is not None:
-            forward = forward + places[toe] - places[ankle]
-    return places @ np.cross(places[chest] - places[hips], forward)
+    steps = [places[toe] - places[ankle] for ankle, toe in feet if ankle and toe]
+    trunk = places[found["chest"]] - places[found["hips"]]
+    return places @ np.cross(trunk, sum(steps, np.zeros(3)))
 
 
 def _legs_and_arms(skeleton: Skeleton, reach: list[float]) -> tuple[_Pair, _Pair] | None:
