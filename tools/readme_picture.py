@@ -22,7 +22,7 @@ from numpy_cae.mocap import body_positions
 from numpy_cae.motion import JOINTS, PARENTS, RATE
 from numpy_cae.motion.quaternions import product
 from numpy_cae.repair import repair
-from numpy_cae.viz.strip import bones, camera_view
+from numpy_cae.viz.figures import bones, camera_view
 
 SECONDS, STEP, AZIMUTH = 6.0, 2, 60.0
 """Duration; frames of the motion for each picture; degrees from which the camera looks."""

@@ -2,9 +2,8 @@
 
 from numpy_cae.viz.actor import Actor, before_and_after, compared, motion_actor, side_by_side
 from numpy_cae.viz.colours import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
-from numpy_cae.viz.curves import Curve, LiveCurve, losses_figure, matrix_figure, save_figure
-from numpy_cae.viz.sliders import Chart, slider_figure
-from numpy_cae.viz.strip import strip_figure, strip_svg
+from numpy_cae.viz.figures import LiveCurve, losses_figure, matrix_figure, save_figure, strip_figure
+from numpy_cae.viz.sliders import Chart, Curve, slider_figure
 from numpy_cae.viz.viewer import in_notebook, save_viewer
 
 __all__ = [name for name in dir() if not name.startswith("_")]

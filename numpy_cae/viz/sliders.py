@@ -17,13 +17,33 @@ import numpy as np
 
 from numpy_cae.viz.actor import Actor
 from numpy_cae.viz.colours import OTHERS
-from numpy_cae.viz.curves import Curve
 from numpy_cae.viz.viewer import Player, deflated, page_text
 
 _LARGEST = 300_000
 """LARGEST: the page of a figure has at most this number of bytes."""
 _STEP = 0.005
 """STEP: positions of joints are rounded to multiples of this (m)."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line of a `Chart`.
+
+    Parameters
+    ----------
+    x, y : sequences of the same number of float
+    label : str
+    colour : str, optional
+        Matplotlib's next colour if None.
+    style : str
+        Of Matplotlib, such as "--".
+    """
+
+    x: Sequence[float]
+    y: Sequence[float]
+    label: str
+    colour: str | None = None
+    style: str = "-"
 
 
 @dataclass(frozen=True)

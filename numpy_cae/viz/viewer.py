@@ -17,7 +17,6 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,16 +26,9 @@ from numpy_cae.visible import visible
 from numpy_cae.viz.actor import Actor
 
 _FOLDER = files("numpy_cae.viz") / "viewer_page"
-_MODULES = {
-    "three": "three/three.module.min.js",
-    "three-orbit-controls": "three/OrbitControls.js",
-    "motion-data": "motion.js",
-    "motion-figure": "figure.js",
-    "motion-stage": "stage.js",
-    "motion-timeline": "timeline.js",
-    "motion-findings": "findings.js",
-    "motion-viewer": "viewer.js",
-}
+_MODULES = {"three": "three/three.module.min.js", "three-orbit-controls": "three/OrbitControls.js"}
+_SCRIPTS = ("data", "figure", "stage", "timeline", "findings", "viewer")
+_MODULES |= {f"motion-{script}": f"{script}.js" for script in _SCRIPTS}
 """Name by which a script imports another, and its file."""
 _STEP = 4e-4
 """STEP: positions are packed in multiples of this (m)."""
@@ -121,7 +113,7 @@ def fragment(
     overlaid: bool = False,
     findings: Sequence[Mapping] = (),
     command: str = "",
-    rows: Mapping[str, np.ndarray] = MappingProxyType({}),
+    rows: Mapping[str, np.ndarray] | None = None,
 ) -> str:
     """The HTML of one viewer; the page needs `head` too.
 
@@ -140,7 +132,7 @@ def fragment(
     command : str
         A command line that repairs everything, into a file whose name ends in "_finding_0". The
         page writes the number of a finding there, and adds --only.
-    rows : mapping of str to (F,) array of float
+    rows : mapping of str to (F,) array of float, optional
         The name and the values, 0 to 1, of rows of bars below the slider.
     """
     longest = max(len(actor.positions) for actor in actors)
@@ -152,7 +144,7 @@ def fragment(
         "motions": [_packed(actor, actors[0], longest) for actor in actors],
         "findings": list(findings),
         "command": visible(command),
-        "rows": {visible(name): np.round(values, 3).tolist() for name, values in rows.items()},
+        "rows": {visible(name): np.round(row, 3).tolist() for name, row in (rows or {}).items()},
     }
     # "</script>" in a joint's name must not end the element.
     text = json.dumps(data).replace("<", "\\u003c")

@@ -6,7 +6,7 @@ import pytest
 from numpy_cae.motion import JOINTS, PARENTS
 from numpy_cae.training.loop import HELD_OUT
 from numpy_cae.viz import Actor, LiveCurve, losses_figure, matrix_figure, strip_figure
-from numpy_cae.viz.strip import bones, camera_view
+from numpy_cae.viz.figures import bones, camera_view
 
 
 def actor(frames=30, label=""):

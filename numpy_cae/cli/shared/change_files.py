@@ -26,7 +26,8 @@ from numpy_cae.motion import Motion
 from numpy_cae.repair import Repaired, write_findings
 from numpy_cae.repair import repaired as report
 from numpy_cae.visible import visible
-from numpy_cae.viz import before_and_after, save_viewer, strip_svg
+from numpy_cae.viz import before_and_after, save_viewer
+from numpy_cae.viz.figures import strip_svg
 from numpy_cae.viz.viewer import page_text
 
 
