@@ -42,7 +42,8 @@ def run(args: argparse.Namespace) -> int:
         suggested = suggest_mapping(motion.skeleton)
         first, second = (names, suggested) if len(names) >= TRUSTED else (suggested, names)
         others = {ours: name for ours, name in second.items() if name not in first.values()}
-        mapping = others | first
+        # A name may stand for another joint: LeftToe is the ankle where LeftToeEnd is the toe.
+        mapping = max(others | first, suggested, key=len)
         motion = load_motion(args.file, **reading | {"mapping": mapping})
     rig = motion.rig
     own = {joint: at for joint, at in rig.found.items() if at not in rig.added}
