@@ -11,6 +11,7 @@ frames (Bandai, CMU) in which a toe is below a height:
 import numpy as np
 
 from numpy_cae.motion.joints import JOINTS
+from numpy_cae.motion.masks import with_margin
 
 FEET = (JOINTS.index("left_toe"), JOINTS.index("right_toe"))
 """The toe joints, left and right, at the ball of each foot."""
@@ -49,20 +50,16 @@ def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
     (F, 2) array of bool
         Left and right.
     """
-    from scipy.ndimage import binary_closing, binary_opening  # slow to import, and seldom used
-
     if len(positions) < 2:
         return np.zeros((len(positions), 2), bool)
     toes = positions[:, FEET]
     speed = np.linalg.norm(np.gradient(toes[..., [0, 2]], axis=0), axis=-1) * rate
     stands = (toes[..., 1] < floor_height(toes) + STANDING_METRES) & (speed < STANDING_METRES_PER_S)
-    for foot in stands.T:
-        # The edge values are repeated: a clip may begin and end in the middle of a step.
-        padded = np.pad(foot, _LEAST_FRAMES, mode="edge")
-        window = np.ones(_LEAST_FRAMES, bool)
-        steady = binary_opening(binary_closing(padded, window), window)
-        foot[:] = steady[_LEAST_FRAMES:-_LEAST_FRAMES]
-    return stands
+    # The edge values are repeated: a clip may begin and end in the middle of a step.
+    padded = np.pad(stands, ((_LEAST_FRAMES, _LEAST_FRAMES), (0, 0)), mode="edge")
+    closed = ~with_margin(~with_margin(padded, _LEAST_FRAMES // 2), _LEAST_FRAMES // 2)
+    steady = with_margin(~with_margin(~closed, _LEAST_FRAMES // 2), _LEAST_FRAMES // 2)
+    return steady[_LEAST_FRAMES:-_LEAST_FRAMES]
 
 
 def foot_sliding(positions: np.ndarray, rate: float) -> float:

@@ -31,9 +31,8 @@ T-pose."""
 
 def body_skeleton(lengths: np.ndarray) -> Skeleton:
     """The twenty joints as a skeleton in a T-pose facing +Z, from (20,) bone lengths in metres."""
-    norms = np.linalg.norm(REST_DIRECTIONS, axis=1)
-    directions = REST_DIRECTIONS / np.maximum(norms, 1e-9)[:, None]
-    return Skeleton(JOINTS, PARENTS, directions * lengths[:, None], dict(REST_TIPS))
+    offsets = unit_vectors(REST_DIRECTIONS) * lengths[:, None]
+    return Skeleton(JOINTS, PARENTS, offsets, dict(REST_TIPS))
 
 
 def fit_motion(positions: np.ndarray, lengths: np.ndarray, rate: float) -> Motion:

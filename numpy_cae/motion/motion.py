@@ -269,11 +269,11 @@ class Motion:
             # A slice has no arrays of its own: those of an hour at 120 Hz would take 0.2 GB.
             dropped = self.at(slice(None, None, whole_step(self.rate, rate)))
             return replace(dropped, rate=float(rate))
-        present = np.arange(len(self))
-        rotations = rotations_at(present, self.rotations, frames)
-        columns = self.translations.reshape(len(self), -1).T
-        translations = np.stack([np.interp(frames, present, column) for column in columns], axis=-1)
-        translations = translations.reshape(len(frames), -1, 3)
+        first = np.minimum(frames.astype(int), len(self) - 2)  # -1, the last frame, of a single one
+        share = (frames - first)[:, None]
+        rotations = quaternions.slerp(self.rotations[first], self.rotations[first + 1], share)
+        way = self.translations[first + 1] - self.translations[first]
+        translations = self.translations[first] + share[..., None] * way
         return replace(self, rate=float(rate), rotations=rotations, translations=translations)
 
     def source_frames(self, rate: float) -> np.ndarray:
@@ -313,12 +313,3 @@ def whole_step(rate: float, new_rate: float) -> int:
     # Files round frame times (.0083333 for 1/120), and 29.97 Hz may stand for 30: a difference of
     # less than half a percent is ignored here, though `rate` stays as the file has it.
     return step if step >= 1 and abs(rate / new_rate / step - 1) < 0.005 else 0
-
-
-def rotations_at(known: np.ndarray, rotations: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Spherical interpolation at `times` of quaternions (N, J, 4) at the times `known` (N,)."""
-    if len(known) == 1:
-        return np.repeat(rotations, len(times), axis=0)
-    first = np.clip(np.searchsorted(known, times, side="right") - 1, 0, len(known) - 2)
-    share = np.clip((times - known[first]) / (known[first + 1] - known[first]), 0.0, 1.0)
-    return quaternions.slerp(rotations[first], rotations[first + 1], share[:, None])

@@ -10,25 +10,14 @@ OVERLAP = 80
 """Frames that consecutive windows of the paper share."""
 
 
-def hold_last_pose(features: np.ndarray, frames: int) -> np.ndarray:
-    """The features (F, 63) extended to `frames` frames, at least F, by repeating the last pose.
-
-    Velocity and turn are 0 from the last given frame on.
-    """
-    held = np.repeat(features[-1:], frames - len(features), axis=0)
-    whole = np.concatenate([features, held])
-    if len(held):
-        whole[len(features) - 1 :, VELOCITY.start :] = 0.0
-    return whole
-
-
 def cut_windows(
     features: np.ndarray, length: int = LENGTH, overlap: int = OVERLAP
 ) -> tuple[np.ndarray, np.ndarray]:
     """Overlapping windows that together cover every frame.
 
     They start every `length - overlap` frames; if frames remain at the end, one more window ends
-    with the last frame. A take shorter than a window is extended by `hold_last_pose`.
+    with the last frame. A take shorter than a window is extended by repeating its last pose;
+    velocity and turn are 0 from its last frame on.
 
     Parameters
     ----------
@@ -63,8 +52,10 @@ def cut_windows(
     if frames == 0:
         raise ValueError("features have no frames to cut windows from")
     if frames < length:
-        real = np.arange(length) < frames
-        return hold_last_pose(features, length)[None], real[None]
+        held = np.repeat(features[-1:], length - frames, axis=0)
+        whole = np.concatenate([features, held])
+        whole[frames - 1 :, VELOCITY.start :] = 0.0
+        return whole[None], (np.arange(length) < frames)[None]
     starts = list(range(0, frames - length + 1, length - overlap))
     if starts[-1] + length < frames:
         starts.append(frames - length)

@@ -31,7 +31,7 @@ from numpy_cae.motion.fit import ROUNDING, bent, fit_fan, swing
 from numpy_cae.motion.hole_curves import without_seams
 from numpy_cae.motion.joints import JOINTS, SIDES
 from numpy_cae.motion.motion import Motion, blocks
-from numpy_cae.motion.quaternions import angle, inverse, product, rotate
+from numpy_cae.motion.quaternions import IDENTITY, angle, inverse, product, rotate
 
 _MOVED = 1e-6
 """_MOVED: if the hips or an ancestor are further than this from their offset (m), their position
@@ -170,10 +170,9 @@ _Pose = tuple[np.ndarray, np.ndarray]
 def _step(motion: Motion, pose: _Pose, target: np.ndarray, carrier: int, hips: int) -> np.ndarray:
     """The change (F, 3) of the carrier's translation that moves the hips to their target (F, 3)."""
     positions, rotations = pose
-    step = target - positions[:, hips]
-    if carrier == 0:
-        return step
-    return rotate(inverse(rotations[:, motion.skeleton.parents[carrier]]), step)
+    parent = motion.skeleton.parents[carrier]
+    around = rotations[:, parent] if carrier else IDENTITY
+    return rotate(inverse(around), target - positions[:, hips])
 
 
 def _rotated(
