@@ -118,7 +118,10 @@ def retarget(
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
         moves = touched[frames]
         wanted = positions(frames) if callable(positions) else positions[frames]
-        targets = _targets(wanted, moves, motion.at(frames), joints)
+        if not np.all(np.isfinite(wanted).all(axis=-1) | ~moves):
+            raise ValueError("positions hold values that are not finite")
+        present = wanted if moves.all() else motion.at(frames).positions(joints)
+        targets = np.where(moves[..., None], wanted, present)
         part = changed.at(frames)
         pose = part.forward_kinematics()
         if moves[:, 0].any():
@@ -128,15 +131,6 @@ def retarget(
         limbs = {joints[mid]: (joints[mid + 1], ~moves[:, mid + 1]) for mid in _MIDDLES}
         changed.rotations[frames] = _rotated(part, pose, by_joint, limbs, bones)
     return changed
-
-
-def _targets(
-    wanted: np.ndarray, moves: np.ndarray, motion: Motion, joints: list[int]
-) -> np.ndarray:
-    """The wanted positions (F, 20, 3) of joints that move, the present ones of the others."""
-    if not np.all(np.isfinite(wanted).all(axis=-1) | ~moves):
-        raise ValueError("positions hold values that are not finite")
-    return wanted if moves.all() else np.where(moves[..., None], wanted, motion.positions(joints))
 
 
 def _started(
