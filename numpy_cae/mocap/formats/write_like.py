@@ -210,7 +210,7 @@ class _Replacer:
             lengths = (after.translations[frames, joint] - of_joint.offset) / of_joint.unit
             values[place] = lengths[:, of_joint.coordinates]
             columns = columns[of_joint.places("r")]
-            for first, end in runs(turned[:, joint]):
+            for first, end in runs(turned[:, joint]) if turned[:, joint].any() else ():
                 wanted = after.rotations[first:end, joint]
                 before = values[first - 1 : first] if first else self.last
                 around = before[:, columns], values[end : end + 1, columns]
