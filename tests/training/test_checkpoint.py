@@ -44,11 +44,11 @@ def interrupt(after):
     return report
 
 
-def train(path=None, schedule=SCHEDULE, windows=WINDOWS, report=None, resume=False):
+def train(path=None, schedule=SCHEDULE, windows=WINDOWS, report=None, bound=0.9, resume=False):
     """The weights by name, and the losses of each stage."""
     checkpoint, rng = path and Checkpoint(path, 0.0, resume), np.random.default_rng(0)
     if isinstance(schedule, Schedule):
-        model = ConvAutoencoder(3, (4, 5), taps=3, rng=rng)
+        model = ConvAutoencoder(3, (4, 5), taps=3, bound=bound, rng=rng)
         history = train_autoencoder(model, windows, schedule, 1, report, checkpoint)
         return model.parameters, history.losses
     model = SequentialAutoencoder(3, 5, 2, rng)
@@ -90,6 +90,7 @@ def test_the_seconds_of_the_interrupted_run_count():
     [
         (SCHEDULE, WINDOWS * 2),
         (SCHEDULE, WINDOWS.reshape(14, 4, 3)),
+        (SCHEDULE, WINDOWS, None, 0.8),
         (ADAM,),
         (replace(SHORT, rate=0.1),),
     ],

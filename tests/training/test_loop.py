@@ -1,5 +1,6 @@
 """Training both networks: what each step uses, that they learn, where they stop, what is said."""
 
+from copy import deepcopy
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -9,7 +10,7 @@ import pytest
 
 from numpy_cae.fast import accelerate, fast_conv_autoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import ProgressPrinter, optimisers, progress, sequential
+from numpy_cae.training import ProgressPrinter, layerwise, optimisers, progress, sequential
 from numpy_cae.training.layerwise import train_autoencoder
 from numpy_cae.training.loop import DivergedError, TrainingState
 from numpy_cae.training.schedule import RECIPES, Schedule, SequenceSchedule, Stage, recipe
@@ -125,22 +126,15 @@ def test_the_regulariser_brings_the_latents_to_the_prior():
     assert np.mean(held["discrepancy"][-20:]) < np.mean(free["discrepancy"][-20:]) / 2
 
 
-@pytest.fixture
-def seen(monkeypatch):
-    """The arguments of every call of `SequentialAutoencoder.loss_and_gradients`."""
-    calls = []
-    original = SequentialAutoencoder.loss_and_gradients
+def test_clips_prior_and_directions_are_drawn_anew_at_every_step(monkeypatch):
+    """The discrepancy is measured on fresh draws: no point of the prior is seen twice."""
+    seen, original = [], SequentialAutoencoder.loss_and_gradients
 
-    def recorded(self, x, prior, directions, weight):
-        calls.append((x.copy(), prior.copy(), directions.copy(), weight))
-        return original(self, x, prior, directions, weight)
+    def recorded(self, *given):
+        seen.append(deepcopy(given))
+        return original(self, *given)
 
     monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
-    return calls
-
-
-def test_clips_prior_and_directions_are_drawn_anew_at_every_step(seen):
-    """The discrepancy is measured on fresh draws: no point of the prior is seen twice."""
     trained(sequence(epochs=2, steps=30))
     clips, priors, directions, weights = zip(*seen, strict=True)
     for drawn in (clips, priors, directions):
@@ -152,27 +146,29 @@ def test_clips_prior_and_directions_are_drawn_anew_at_every_step(seen):
     np.testing.assert_allclose(np.cov(points.T), np.eye(2), atol=0.2)
 
 
-def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch):
+SIX = {"epochs": 3, "rate": 0.4, "decay": 0.5, "norm": 0.02}
+of_both = pytest.mark.parametrize(
+    "schedule", [Schedule(NO_EPOCH, Stage(**SIX, batch=6)), sequence(**SIX, steps=2)]
+)
+
+
+@of_both
+def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch, schedule):
     """The gradients of the last update, all of them together, are clipped before they descend."""
     clipped, used, clip_norm = [], [], sequential.clip_norm
 
     def update(self, gradients, rate):
         used.append(np.sqrt(sum(float(np.sum(each**2)) for each in gradients)))
 
-    monkeypatch.setattr(sequential, "clip_norm", lambda *of: clipped.append(clip_norm(*of)))
+    for module in (layerwise, sequential):
+        monkeypatch.setattr(module, "clip_norm", lambda *of: clipped.append(clip_norm(*of)))
     monkeypatch.setattr(optimisers.Sgd, "update", update)
-    trained(sequence(norm=0.05, epochs=1))
-    assert max(clipped) > 0.05  # or there was nothing to clip
-    np.testing.assert_allclose(used, np.minimum(clipped, 0.05), rtol=1e-4)
+    trained(schedule)
+    assert max(clipped) > 0.02  # or there was nothing to clip
+    np.testing.assert_allclose(used, np.minimum(clipped, 0.02), rtol=1e-4)
 
 
-@pytest.mark.parametrize(
-    "schedule",
-    [
-        Schedule(NO_EPOCH, Stage(epochs=3, batch=6, rate=0.4, decay=0.5)),
-        sequence(epochs=3, steps=2, rate=0.4, decay=0.5),
-    ],
-)
+@of_both
 def test_the_rate_decays_by_the_epoch(monkeypatch, schedule):
     rates = []
     monkeypatch.setattr(optimisers.Sgd, "update", lambda self, gradients, rate: rates.append(rate))
@@ -201,6 +197,8 @@ def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
     of_layers = [(layer, 0.01, True) for layer in (0, 1) for _ in range(36)]
     assert [call[:3] for call in calls] == of_layers + [(None, 0.0, False)] * 24
     assert np.mean([call[3] for call in calls]) == pytest.approx(0.1, abs=0.02)
+    x = np.resize(WINDOWS, (130, 40, 5))  # more windows than are encoded at a time
+    np.testing.assert_allclose(layerwise.hidden_below(model, x, 1), model.encode(x, 1), atol=1e-6)
 
 
 def test_an_epoch_shows_every_window_once_in_a_new_order_and_has_their_mean_loss(monkeypatch):
