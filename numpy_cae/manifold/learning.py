@@ -124,7 +124,7 @@ def learn_manifold(
     del features, frames
     if testing:
         report = with_error(report, manifold, testing)
-    history = training.train_autoencoder(network, windows, schedule, rng, report, checkpoint)
+    trained = training.train_autoencoder(network, windows, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,
         "window": window,
@@ -132,7 +132,7 @@ def learn_manifold(
         "takes": len(takes),
         "windows": len(windows),
         "schedule": asdict(schedule),
-        "losses": history.losses,
+        "losses": trained.losses,
     }
     return manifold
 
@@ -141,8 +141,8 @@ def with_error(
     report: Report | None, manifold: MotionManifold, takes: Sequence[np.ndarray]
 ) -> Report:
     """The report, after the mean distance (cm) of the joints of takes from their projection was
-    added to the history, at the end of each epoch in which the whole network learns. Of each take
-    one window is projected, of at most `MOST_MEASURED` takes."""
+    added to the losses of the state, at the end of each epoch in which the whole network learns. Of
+    each take one window is projected, of at most `MOST_MEASURED` takes."""
     some = takes[:: -(-len(takes) // MOST_MEASURED)]
     clips = [manifold.features(take)[0][: manifold.window] for take in some]
 
@@ -150,7 +150,7 @@ def with_error(
         if state.step == 0 and not state.name.startswith("layer"):
             apart = [(manifold.project(clip) - clip)[:, POSITIONS].reshape(-1, 3) for clip in clips]
             error = 100 * float(np.linalg.norm(np.concatenate(apart), axis=1).mean())
-            state.history.losses.setdefault(HELD_OUT, []).append(error)
+            state.losses.setdefault(HELD_OUT, []).append(error)
         if report is not None:
             report(state)
 
@@ -223,16 +223,16 @@ def learn_sequences(
     network = with_engine(network, engine)
     manifold = SequenceManifold(network, *mean_and_deviation(clips), table, bones, frames=frames)
     draw = partial(manifold.random_clips, sequences)
-    history = training.train_sequential(network, draw, schedule, rng, report, checkpoint)
+    trained = training.train_sequential(network, draw, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,
         "frames": frames,
         "motions": len(sequences),
         "schedule": asdict(schedule),
-        "losses": {"sequences": history.losses["sequences"]},
+        "losses": {"sequences": trained.losses["sequences"]},
     }
     for term in ("reconstruction", "discrepancy"):
-        manifold.settings[term] = history.losses.get(term, [])[-1:]
+        manifold.settings[term] = trained.losses.get(term, [])[-1:]
     return manifold
 
 

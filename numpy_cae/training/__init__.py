@@ -7,13 +7,7 @@ given it.
 
 from numpy_cae.training.corruption import zero_values
 from numpy_cae.training.layerwise import train_autoencoder
-from numpy_cae.training.loop import (
-    Checkpoint,
-    CheckpointError,
-    DivergedError,
-    History,
-    TrainingState,
-)
+from numpy_cae.training.loop import Checkpoint, CheckpointError, DivergedError, TrainingState
 from numpy_cae.training.optimisers import Adam, clip_norm
 from numpy_cae.training.progress import ProgressPrinter
 from numpy_cae.training.schedule import (

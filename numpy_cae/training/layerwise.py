@@ -11,7 +11,7 @@ import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training.corruption import corrupted_copy, unpooling_mask
-from numpy_cae.training.loop import Checkpoint, History, TrainingState
+from numpy_cae.training.loop import Checkpoint, TrainingState
 from numpy_cae.training.optimisers import clip_norm
 from numpy_cae.training.schedule import Schedule
 
@@ -23,7 +23,7 @@ def train_autoencoder(
     rng: np.random.Generator | int = 0,
     report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
-) -> History:
+) -> TrainingState:
     """Train a `ConvAutoencoder` in place.
 
     Runs with one seed on the same number of threads are bit-identical, and so is a run that was
@@ -46,7 +46,8 @@ def train_autoencoder(
 
     Returns
     -------
-    history : History
+    state : TrainingState
+        Its `losses` are those of every epoch, by stage.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def train_autoencoder(
     for _ in autoencoder_steps(model, windows, schedule, state):
         if report is not None:
             report(state)
-    return state.history
+    return state
 
 
 def autoencoder_steps(

@@ -24,11 +24,11 @@ from numpy_cae.training.optimisers import Adam, Sgd, rate_at
 from numpy_cae.training.schedule import SequenceSchedule, Stage
 
 FORMAT = "numpy_cae checkpoint 5"
-POSITION = ("stage", "epoch", "step", "total")
-"""POSITION: the numbers of a `TrainingState` that say where a training stands."""
+POSITION = ("stage", "epoch", "step", "total", "losses", "seconds")
+"""POSITION: what says in a `TrainingState` where a training stands, and what it has measured."""
 
 HELD_OUT = "held-out error, cm"
-"""HELD_OUT: the name in a history of the errors on takes that are not trained on, by epoch."""
+"""HELD_OUT: the name in the losses of the errors on takes that are not trained on, by epoch."""
 ADVICE = "a lower rate (--rate) or, in Python, a bound on the norm (`Stage.norm`) may help"
 
 
@@ -37,32 +37,17 @@ class DivergedError(NumpyCaeError, ArithmeticError):
 
 
 @dataclass
-class History:
-    """What a training measured.
+class TrainingState:
+    """Everything that the rest of a training depends on, and its loop over epochs and batches; and
+    what the training has measured.
 
     `losses` holds, for each stage by name, the mean loss of every epoch. `train_sequential` adds
     the two terms of the loss of every step, "reconstruction" and "discrepancy". `seconds` holds the
-    duration of each stage.
-
-    Examples
-    --------
-    >>> History({"fine tuning": [0.5, 0.25]}, {"fine tuning": 12.0}).losses["fine tuning"][-1]
-    0.25
-    """
-
-    losses: dict[str, list[float]] = field(default_factory=dict)
-    seconds: dict[str, float] = field(default_factory=dict)
-
-
-@dataclass
-class TrainingState:
-    """Everything that the rest of a training depends on, and its loop over epochs and batches.
-
-    A `Checkpoint` saves and loads the state.
+    duration of each stage. A `Checkpoint` saves and loads the state.
 
     A function `report` gets the state after every step. `epoch` and `step` count what is done, so
     `step` is 0 after the last step of an epoch, whose mean loss is then the last of
-    `history.losses[name]`.
+    `losses[name]`.
 
     Examples
     --------
@@ -71,13 +56,14 @@ class TrainingState:
     >>> for step, rate in state.steps_of("layer 1", stage, state.weights, len(x)):
     ...     batch = x[2 * step : 2 * step + 2]
     ...     state.end_step(1.0 if step == 0 else 4.0, batch, rate)
-    >>> state.stage, state.history.losses
+    >>> state.stage, state.losses
     (1, {'layer 1': [2.0]})
     """
 
     weights: Weights  # all weights of the model, which training changes in place
     rng: np.random.Generator
-    history: History = field(default_factory=History)
+    losses: dict[str, list[float]] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=dict)
     stage: int = 0  # stages done
     epoch: int = 0  # epochs of this stage done
     step: int = 0  # steps of this epoch done
@@ -112,8 +98,8 @@ class TrainingState:
         self.epochs = stage.epochs
         self.steps = -(-examples // stage.batch)
         self.examples = examples
-        self.history.losses.setdefault(name, [])
-        self.started = time.perf_counter() - self.history.seconds.setdefault(name, 0.0)
+        self.losses.setdefault(name, [])
+        self.started = time.perf_counter() - self.seconds.setdefault(name, 0.0)
         for epoch in range(self.epoch, stage.epochs):
             for step in range(self.step, self.steps):
                 yield step, rate_at(stage, epoch, step, self.steps)
@@ -134,9 +120,9 @@ class TrainingState:
         self.loss = loss
         self.total += loss * len(x)
         self.step += 1
-        self.history.seconds[self.name] = time.perf_counter() - self.started
+        self.seconds[self.name] = time.perf_counter() - self.started
         if last:
-            self.history.losses[self.name].append(self.total / self.examples)
+            self.losses[self.name].append(self.total / self.examples)
             self.epoch += 1
             self.step = 0
             self.total = 0.0
@@ -207,7 +193,6 @@ class Checkpoint:
             raise CheckpointError(f"{self.path}: {other}; give the same again or remove the file")
         for name in POSITION:
             setattr(state, name, about[name])
-        state.history = History(about["losses"], about["seconds"])
         state.rng.bit_generator.state = about["rng"]
         state.order = arrays["order"]
         # The stage does not have its optimiser yet: `steps_of` restores that.
@@ -231,7 +216,6 @@ class Checkpoint:
     def save(self, state: TrainingState) -> None:
         """Replace the state in the file; CheckpointError, and no change, if that is impossible."""
         about = {name: getattr(state, name) for name in POSITION}
-        about |= {"losses": state.history.losses, "seconds": state.history.seconds}
         about |= {"run": self.run, "rng": state.rng.bit_generator.state}
         words = {"format": np.array(FORMAT), "about": np.array(json.dumps(about))}
         arrays = {f"array {name}": a for name, a in (state.weights | state.optimiser.state).items()}

@@ -16,7 +16,7 @@ class ProgressPrinter:
 
     The lines go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left".
     In a terminal a stage has one short line, which renews itself. An error on held-out takes is
-    printed where there is one in the history.
+    printed where the losses have one.
 
     Examples
     --------
@@ -33,11 +33,11 @@ class ProgressPrinter:
         if state.step and time.monotonic() - self.printed <= interval:
             return
         epochs = state.epoch + state.step / state.steps
-        losses = state.history.losses
+        losses = state.losses
         done = f"{epochs:.2f}/{state.epochs}" if state.step else f"{state.epoch}/{state.epochs}"
         done += "".join(f": loss {loss:.5f}" for loss in losses.get(state.name, [])[-1:])
         done += "".join(f", held-out {error:.2f} cm" for error in losses.get(HELD_OUT, [])[-1:])
-        elapsed = state.history.seconds[state.name]
+        elapsed = state.seconds[state.name]
         left = elapsed * (state.epochs / epochs - 1)
         times = f"{left:.0f} s left"
         if not self.columns:  # one line of a terminal is short

@@ -6,7 +6,7 @@ from copy import deepcopy
 import numpy as np
 
 from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.training.loop import Checkpoint, History, TrainingState
+from numpy_cae.training.loop import Checkpoint, TrainingState
 from numpy_cae.training.optimisers import clip_norm
 from numpy_cae.training.schedule import SequenceSchedule
 
@@ -21,7 +21,7 @@ def train_sequential(
     rng: np.random.Generator | int = 0,
     report: Callable[[TrainingState], None] | None = None,
     checkpoint: Checkpoint | None = None,
-) -> History:
+) -> TrainingState:
     """Train a `SequentialAutoencoder` in place.
 
     Parameters
@@ -38,9 +38,9 @@ def train_sequential(
 
     Returns
     -------
-    history : History
-        With the mean squared error ("reconstruction") and the sliced Wasserstein distance to the
-        prior ("discrepancy") of every step.
+    state : TrainingState
+        Its `losses` have the mean squared error ("reconstruction") and the sliced Wasserstein
+        distance to the prior ("discrepancy") of every step.
 
     Raises
     ------
@@ -53,8 +53,8 @@ def train_sequential(
     ...     phases = rng.uniform(0, 6, size=(count, 1, 1))
     ...     return np.sin(np.arange(8)[:, None] + phases).astype(np.float32)
     >>> model = SequentialAutoencoder(features=1, hidden=8, latent=2)
-    >>> history = train_sequential(model, waves, SequenceSchedule(epochs=2, steps=20, batch=16))
-    >>> len(history.losses["reconstruction"])
+    >>> state = train_sequential(model, waves, SequenceSchedule(epochs=2, steps=20, batch=16))
+    >>> len(state.losses["reconstruction"])
     40
     """
     schedule = schedule or SequenceSchedule()
@@ -65,7 +65,7 @@ def train_sequential(
     for _ in sequential_steps(model, draw, schedule, state):
         if report is not None:
             report(state)
-    return state.history
+    return state
 
 
 def sequential_steps(
@@ -77,7 +77,7 @@ def sequential_steps(
     updates the weights; if the loss is not finite, no weight is changed.
     """
     clips_an_epoch = schedule.steps * schedule.batch
-    terms = state.history.losses
+    terms = state.losses
     for _, rate in state.steps_of("sequences", schedule, model.weights, clips_an_epoch):
         clips = draw(state.rng, schedule.batch)
         prior = state.rng.standard_normal((len(clips), model.latent)).astype(clips.dtype)

@@ -79,10 +79,10 @@ def test_a_resumed_run_is_bit_identical(tmp_path, schedule, after):
 
 def test_the_seconds_of_the_interrupted_run_count():
     state = TrainingState({}, np.random.default_rng(0))
-    state.history.seconds["layer 1"] = 1000.0
+    state.seconds["layer 1"] = 1000.0
     next(state.steps_of("layer 1", Stage(epochs=1), {}, 2))
     state.end_step(1.0, WINDOWS[:1], 0.5)
-    assert 1000 <= state.history.seconds["layer 1"] < 1001
+    assert 1000 <= state.seconds["layer 1"] < 1001
 
 
 @pytest.mark.parametrize(

@@ -233,7 +233,7 @@ def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(m
     clock = SimpleNamespace(monotonic=lambda: clock.now, now=100.0)
     monkeypatch.setattr(progress, "time", clock)
     state = TrainingState({}, np.random.default_rng(0), name="layer 1", epochs=4, steps=8)
-    state.history.seconds["layer 1"] = 60.0
+    state.seconds["layer 1"] = 60.0
     printer = ProgressPrinter()
     for columns, passed, epoch, step, shown in (
         (0, 30, 1, 4, ""),
@@ -245,7 +245,7 @@ def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(m
         (61, 0, 4, 0, "\rlayer 1, epoch 4/4: loss 0.12500, held-out 1.50 cm, 0 s left \n"),
     ):
         losses = {"layer 1": [0.5, 0.25, 0.125][: epoch - 1]}
-        state.history.losses = losses | {progress.HELD_OUT: [3.0, 2.0, 1.5][:columns]}
+        state.losses = losses | {progress.HELD_OUT: [3.0, 2.0, 1.5][:columns]}
         state.epoch, state.step, printer.columns = epoch, step, columns
         clock.now += passed
         printer(state)
