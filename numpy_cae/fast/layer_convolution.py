@@ -44,6 +44,16 @@ from numpy_cae.fast.products import Memory, multiply_columns, multiply_rows, zer
 from numpy_cae.fast.thread_team import Part
 from numpy_cae.ops.convolution import unfold
 
+BLOCK_FRAMES = 20
+"""Frames of a block, at most: longer blocks save products, shorter ones need fewer rows of ŵ."""
+
+SHORT_BLOCK_FRAMES = 10
+"""The same where the windows of a batch have fewer than `FEW_FRAMES` together: the rows of ŵ, which
+cost the same for one frame as for many, are then most of the time."""
+
+FEW_FRAMES = 640
+"""Of a layer's input."""
+
 
 class FilterSpectra:
     """What the threads have in common in one layer that is convolved by blocks.
@@ -51,8 +61,6 @@ class FilterSpectra:
     Parameters
     ----------
     sizes : LayerSizes
-    longest : int
-        Frames of a block, at most.
 
     Attributes
     ----------
@@ -70,8 +78,10 @@ class FilterSpectra:
         another.
     """
 
-    def __init__(self, sizes: LayerSizes, longest: int):
+    def __init__(self, sizes: LayerSizes):
         self.sizes = sizes
+        few = sizes.batch * sizes.frames < FEW_FRAMES
+        longest = SHORT_BLOCK_FRAMES if few else BLOCK_FRAMES
         length, self.count = block_length(sizes.frames, longest)
         self.blocks = blocks(sizes.taps, length, np.dtype(sizes.dtype).name)
         products = self.blocks.products

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.fast.blocks import LayerSizes, cheapest_length
+from numpy_cae.fast.blocks import LayerSizes
 from numpy_cae.fast.fast_layer import FastLayer
 from numpy_cae.fast.layer_convolution import (
     DirectConvolution,
@@ -20,6 +20,10 @@ from numpy_cae.fast.layer_convolution import (
 from numpy_cae.fast.products import ROW_PADDING, Memory, zeros
 from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
 from numpy_cae.models.conv_layer import ConvLayer
+
+DIRECT_FRAMES = {"training": 120, "encoding": 50}
+"""One window of at most so many frames for each thread of BLAS is convolved as defined: the spectra
+of the filters would take longer than the products that they save."""
 
 Filters = DirectConvolution | FilterSpectra
 Layers = Sequence[ConvLayer]
@@ -137,18 +141,16 @@ class Workspace:
         sharing = min(team.size, batch)
         self.team = team if sharing > 1 else thread_team(1)
         self.blas_threads = team.size if batch == 1 else 1
-        # Without gradients the time is that of the windows of one thread, each reading all of ŵ.
-        windows = batch if sizes[0].training else -(-batch // sharing)
         self.filters: list[Filters] = []
         for each in sizes:
-            longest = cheapest_length(each, windows, self.blas_threads)
-            if longest == 1:
+            most = DIRECT_FRAMES["training" if each.training else "encoding"] * self.blas_threads
+            if batch == 1 and each.frames <= most:
                 self.filters.append(DirectConvolution(each))
             else:
                 # With channels of zeros, a frame of data fills its cache lines.
                 whole = -(-each.channels // ROW_PADDING) * ROW_PADDING
                 padded = replace(each, channels=whole) if each is sizes[0] else each
-                self.filters.append(FilterSpectra(padded, longest))
+                self.filters.append(FilterSpectra(padded))
         parts = [share(batch, number, sharing) for number in range(sharing)]
         self.workers = [Worker(part, self.filters, bounds, sizes[0].channels) for part in parts]
 
