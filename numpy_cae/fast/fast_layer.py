@@ -24,8 +24,6 @@ class FastLayer:
         Where arctanh clips.
     y : (T/2, B, D) array
         Receives what the layer encodes: the input of the layer above.
-    training : bool
-        Whether the pullbacks will be called.
 
     Attributes
     ----------
@@ -35,11 +33,10 @@ class FastLayer:
         Its gradient for the windows of this thread.
     """
 
-    def __init__(self, convolution: Convolution, bound: float, y: np.ndarray, training: bool):
+    def __init__(self, convolution: Convolution, bound: float, y: np.ndarray):
         self.convolution = convolution
         self.bound = bound
         self.y = y
-        self.training = training
         self.b = np.zeros(y.shape[2], y.dtype)
         self.db = np.zeros_like(self.b)
         self._clipped = zeros(y.shape, y.dtype)
@@ -53,8 +50,7 @@ class FastLayer:
         convolved = self.convolution.convolve()
         earlier = convolved[0::2]
         later = convolved[1::2]
-        if self.training:
-            np.greater_equal(earlier, later, out=self._earlier_won)
+        np.greater_equal(earlier, later, out=self._earlier_won)
         y = np.maximum(earlier, later, out=self.y)
         y += self.b
         np.tanh(y, out=y)
@@ -65,8 +61,7 @@ class FastLayer:
         `first`, (B, T/2, D), is the mask of `ops.unpool_random`.
         """
         np.clip(y, -self.bound, self.bound, out=self._clipped)
-        if self.training:
-            np.equal(y, self._clipped, out=self._inside)
+        np.equal(y, self._clipped, out=self._inside)
         z = self.convolution.z
         # tanh⁻¹(y) = log((1 + y) / (1 - y)) / 2: np.arctanh takes ten times as long.
         activated = np.add(1, self._clipped, out=self._scratch)

@@ -94,9 +94,9 @@ class FilterSpectra:
             self._dw_hat = zeros(self.w_hat.shape, sizes.dtype)
 
     def load(self, w: np.ndarray, part: Part) -> None:
-        """Compute a part of the rows of ŵ; where w has fewer than C channels, the rest is 0."""
+        """Compute a part of the rows of ŵ."""
         rows = part(len(self.w_hat))
-        w_hat = self.w_hat.reshape(len(self.w_hat), -1)[None, rows, : w[0].size]
+        w_hat = self.w_hat.reshape(1, len(self.w_hat), -1)[:, rows]
         multiply_columns(self.blocks.g[rows], w.reshape(1, self.sizes.taps, -1), w_hat)
 
     def gradient(self, dw: np.ndarray, part: Part) -> None:
@@ -105,9 +105,9 @@ class FilterSpectra:
         below = self.below[..., channels].transpose(0, 2, 1)
         multiply_rows(below, self.above, self._dw_hat[:, channels])
         columns = slice(channels.start * self.sizes.filters, channels.stop * self.sizes.filters)
-        dw_columns = dw.reshape(1, self.sizes.taps, -1)[..., columns]
         dw_hat = self._dw_hat.reshape(1, len(self.w_hat), -1)[..., columns]
-        multiply_columns(self.blocks.g.T, dw_hat[..., : dw_columns.shape[-1]], dw_columns)
+        dw_columns = dw.reshape(1, self.sizes.taps, -1)[..., columns]
+        multiply_columns(self.blocks.g.T, dw_hat, dw_columns)
 
 
 class SpectralConvolution:

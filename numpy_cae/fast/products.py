@@ -83,19 +83,15 @@ class Memory:
 
     def __init__(self, dtype: np.dtype):
         self._flat = aligned_empty((0,), dtype)
-        self._views: dict[tuple[int, ...], np.ndarray] = {}
 
     def __call__(self, *shape: int) -> np.ndarray:
         """An array with any contents, as `zeros` otherwise."""
-        if shape not in self._views:
-            width = int(np.prod(shape[1:]))
-            size = shape[0] * (width + ROW_PADDING)
-            if size > self._flat.size:
-                self._flat = aligned_empty((size,), self._flat.dtype)
-                self._views = {}
-            padded = self._flat[:size].reshape(shape[0], width + ROW_PADDING)
-            self._views[shape] = padded[:, :width].reshape(shape)
-        return self._views[shape]
+        width = int(np.prod(shape[1:]))
+        size = shape[0] * (width + ROW_PADDING)
+        if size > self._flat.size:
+            self._flat = aligned_empty((size,), self._flat.dtype)
+        rows = self._flat[:size].reshape(shape[0], width + ROW_PADDING)
+        return rows[:, :width].reshape(shape)
 
 
 def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:

@@ -6,7 +6,6 @@ A worker takes one thread's windows through all layers and back.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from numpy_cae.fast.layer_convolution import (
     FilterSpectra,
     SpectralConvolution,
 )
-from numpy_cae.fast.products import ROW_PADDING, Memory, zeros
+from numpy_cae.fast.products import Memory, zeros
 from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
 from numpy_cae.models.conv_layer import ConvLayer
 
@@ -42,9 +41,7 @@ class Worker:
         The thread's part of the loss.
     """
 
-    def __init__(
-        self, windows: slice, filters: Sequence[Filters], bounds: Sequence[float], channels: int
-    ):
+    def __init__(self, windows: slice, filters: Sequence[Filters], bounds: Sequence[float]):
         self.windows = windows
         sizes = filters[-1].sizes
         batch = windows.stop - windows.start
@@ -56,20 +53,17 @@ class Worker:
         ]
         outputs = [above.x for above in convolutions[1:]] + [self._top]
         self.layers = [
-            FastLayer(convolution, bound, output, sizes.training)
+            FastLayer(convolution, bound, output)
             for convolution, bound, output in zip(convolutions, bounds, outputs, strict=True)
         ]
         self.loss = 0.0
         self._batch = sizes.batch
-        self._channels = channels  # without those that only fill cache lines
         self._d_top = zeros(self._top.shape, sizes.dtype)
         self._y = self._top.transpose(1, 0, 2)
-        self._x = self._windows(convolutions[0].x)
-        self._error = self._windows(convolutions[0].error)
 
     def encode(self, x: np.ndarray) -> np.ndarray:
         """Φ(x), (b, t, D)."""
-        self._x[...] = x
+        self.layers[0].convolution.x[...] = x.transpose(1, 0, 2)
         for layer in self.layers:
             layer.encode()
         return self._y
@@ -77,12 +71,12 @@ class Worker:
     def decode(self, y: np.ndarray) -> np.ndarray:
         """Φ†(y), (b, T, C), unpooling evenly."""
         self._y[...] = y
-        return self._windows(self._decode([None] * len(self.layers)))
+        return self._decode([None] * len(self.layers)).transpose(1, 0, 2)
 
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(x))."""
         self.encode(x)
-        return self._windows(self._decode([None] * len(self.layers)))
+        return self._decode([None] * len(self.layers)).transpose(1, 0, 2)
 
     def pull_back(
         self, x: np.ndarray, corrupted: np.ndarray, alpha: float, first: Sequence[np.ndarray | None]
@@ -93,8 +87,8 @@ class Worker:
         """
         self.encode(corrupted)
         decoded = self._decode(first)
-        np.subtract(self._windows(decoded), x, out=self._error)
         error = self.layers[0].convolution.error
+        np.subtract(decoded, x.transpose(1, 0, 2), out=error)
         elements = self._batch * x[0].size
         self.loss = float(np.multiply(error, error, out=decoded).sum()) / elements
         error *= 2 / elements
@@ -118,10 +112,6 @@ class Worker:
             decoded = layer.decode(decoded, mask)
         return decoded
 
-    def _windows(self, rows: np.ndarray) -> np.ndarray:
-        """(T, b, C or more) as (b, T, C), the same memory."""
-        return rows[..., : self._channels].transpose(1, 0, 2)
-
 
 class Workspace:
     """The workers of a team, at most one a thread, for one size of batch and window.
@@ -144,15 +134,10 @@ class Workspace:
         self.filters: list[Filters] = []
         for each in sizes:
             most = DIRECT_FRAMES["training" if each.training else "encoding"] * self.blas_threads
-            if batch == 1 and each.frames <= most:
-                self.filters.append(DirectConvolution(each))
-            else:
-                # With channels of zeros, a frame of data fills its cache lines.
-                whole = -(-each.channels // ROW_PADDING) * ROW_PADDING
-                padded = replace(each, channels=whole) if each is sizes[0] else each
-                self.filters.append(FilterSpectra(padded))
+            direct = batch == 1 and each.frames <= most
+            self.filters.append(DirectConvolution(each) if direct else FilterSpectra(each))
         parts = [share(batch, number, sharing) for number in range(sharing)]
-        self.workers = [Worker(part, self.filters, bounds, sizes[0].channels) for part in parts]
+        self.workers = [Worker(part, self.filters, bounds) for part in parts]
 
     def run(
         self, layers: Layers, work: Callable[[Worker], None], dws: Sequence[np.ndarray] = ()
