@@ -6,15 +6,15 @@
 
 Reading order, each file using those before it:
 
-blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w)), and which
-                             form of the convolution is the cheapest for a layer
+blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w))
 convolution                  `conv1d` by blocks, with its pullback: the whole idea in one function
-products                     matrix products in pieces that BLAS multiplies at full speed
+products                     matrix products in pieces that BLAS multiplies at full speed, and the
+                             memory of their arrays
 thread_team                  Python threads that share the windows, each with one BLAS thread
-layer_convolution            W in the encoder and W̃ in the decoder with one transform of the
-                             filters, or for one window by the definition's own form
-fast_layer                   equations 1 and 2 with their pullbacks in fixed buffers
-workspace                    one thread's windows through all layers and back; the threads together
+layer_convolution            the convolutions with W in the encoder and W̃ in the decoder, with one
+                             transform of the filters, or for one window by the definition's form
+workspace                    a layer with its pullbacks in fixed buffers; one thread's windows
+                             through all layers and back; the threads together
 fast_conv_autoencoder        `ConvAutoencoder` with these
 fast_sequential_autoencoder  `SequentialAutoencoder` by one recurrence without frames
 """

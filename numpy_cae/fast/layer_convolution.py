@@ -29,13 +29,17 @@ the adjoint: the K parts of a row are added to the frames that they were read fr
     decoder     x̂ = fold(z Wᵀ)          its pullback    dz = d̃x̂ W
     dW = x̃ᵀ dy + d̃x̂ᵀ z
 
-One window is faster so than by blocks in a step of training, and in the
-layer with the most filters otherwise: ŵ has several times as many numbers as W, and reading them
-takes longer than the arithmetic that they save.
+One window of few frames is faster so than by blocks: ŵ has several times as many numbers as W, and
+reading them takes longer than the arithmetic that they save. After even unpooling the rows of a
+pair of frames are added up before the product with W (after the product with Wᵀ), which is then
+computed once for both.
 
-After even unpooling the rows of a pair of frames are added up before the
-product with W (after the product with Wᵀ), which is then computed once for both.
+**A pass** is the encoder's or the decoder's convolution of a layer, either way: `forwards` from the
+frames below to those above, with W, and `backwards`, its adjoint. The encoder encodes forwards and
+its pullback goes backwards; the decoder decodes backwards and its pullback goes forwards.
 """
+
+from __future__ import annotations
 
 import numpy as np
 
@@ -93,6 +97,10 @@ class FilterSpectra:
         if sizes.training:
             self._dw_hat = zeros(self.w_hat.shape, sizes.dtype)
 
+    def passes(self, windows: slice, memory: tuple[Memory, Memory]) -> list[SpectralPass]:
+        """The encoder's convolution and the decoder's, for some windows."""
+        return [SpectralPass(self, windows, memory, decodes) for decodes in (False, True)]
+
     def load(self, w: np.ndarray, part: Part) -> None:
         """Compute a part of the rows of ŵ."""
         rows = part(len(self.w_hat))
@@ -110,8 +118,8 @@ class FilterSpectra:
         multiply_columns(self.blocks.g.T, dw_hat, dw_columns)
 
 
-class SpectralConvolution:
-    """One layer's W in the encoder and in the decoder, for one thread's windows, by blocks.
+class SpectralPass:
+    """The encoder's or the decoder's convolution of one layer, for one thread's windows, by blocks.
 
     Parameters
     ----------
@@ -122,101 +130,71 @@ class SpectralConvolution:
     memory : two of Memory
         For what is needed within a method, and for its result until the next method of any layer of
         the thread begins.
+    decodes : bool
 
     Attributes
     ----------
-    x : (T, B, C) view
-        Input of the encoder; the caller writes it.
-    z : (T, B, D) or (T/2, B, D) view
-        Input of the decoder; the caller writes it.
-    error : (T, B, C) view
-        dx̂, the gradient for the decoder's output; the caller writes it.
-    d_convolved : (T, B, D) view
-        dy, the gradient for the encoder's output; the caller writes it.
+    below : (T, B, C) view
+        x, or in the decoder dx̂, the gradient for its output; the caller writes it.
+    above : (T, B, D) or (T/2, B, D) view
+        dy, the gradient for the output, or in the decoder z; the caller writes it.
     """
 
-    def __init__(self, spectra: FilterSpectra, windows: slice, memory: tuple[Memory, Memory]):
+    def __init__(
+        self, spectra: FilterSpectra, windows: slice, memory: tuple[Memory, Memory], decodes: bool
+    ):
         sizes = spectra.sizes
         self.spectra = spectra
-        self.blocks = spectra.blocks
-        self._count = spectra.count
         self._memory, self._other_memory = memory
         self._inside = slice(sizes.taps // 2, sizes.taps // 2 + sizes.frames)
+        rate = sizes.rate if decodes else 1
         c = spectra.blocks.c
-        self._c_down = c[0::2] + c[1::2] if sizes.rate == 2 else c
-
+        self._c = c[0::2] + c[1::2] if rate == 2 else c
         batch = windows.stop - windows.start
         rows = spectra.count * spectra.blocks.frames  # at least T
-        padded_x = zeros((rows + sizes.taps - 1, batch, sizes.channels), sizes.dtype)
-        padded_error = zeros(padded_x.shape, sizes.dtype)
-        all_z = zeros((rows // sizes.rate, batch, sizes.filters), sizes.dtype)
-        all_dy = zeros((rows, batch, sizes.filters), sizes.dtype)
-        self.x = padded_x[self._inside]
-        self.error = padded_error[self._inside]
-        self.z = all_z[: sizes.frames // sizes.rate]
-        self.d_convolved = all_dy[: sizes.frames]
-        self._x_blocks = overlapping(_as_rows(padded_x), spectra.blocks, spectra.count)
-        self._error_blocks = overlapping(_as_rows(padded_error), spectra.blocks, spectra.count)
-        self._z_blocks = self._cut(all_z)
-        self._dy_blocks = self._cut(all_dy)
+        padded = zeros((rows + sizes.taps - 1, batch, sizes.channels), sizes.dtype)
+        all_above = zeros((rows // rate, batch, sizes.filters), sizes.dtype)
+        self.below = padded[self._inside]
+        self.above = all_above[: sizes.frames // rate]
+        self._below_blocks = overlapping(_as_rows(padded), spectra.blocks, spectra.count)
+        self._above_blocks = self._cut(all_above)
+        start = spectra.count * (2 * windows.start + batch * decodes)
+        part = slice(start, start + spectra.count * batch)
+        self._below_spectra = spectra.below[:, part]
+        self._above_spectra = spectra.above[:, part]
 
-        size = spectra.count * batch
-        start = 2 * spectra.count * windows.start
-        encoder = slice(start, start + size)
-        decoder = slice(start + size, start + 2 * size)
-        self._ax = spectra.below[:, encoder]
-        self._a_error = spectra.below[:, decoder]
-        self._c_dy = spectra.above[:, encoder]
-        self._cz = spectra.above[:, decoder]
+    def forwards(self) -> np.ndarray:
+        """C ((A `below`) ∘ ŵ), as `above`."""
+        a = self.spectra.blocks.a
+        multiply_columns(a, self._below_blocks, self._by_block(self._below_spectra))
+        product = self._memory(*self._below_spectra.shape[:2], self.above.shape[2])
+        multiply_rows(self._below_spectra, self.spectra.w_hat, product)
+        output = self._other_memory(self.spectra.count * len(self._c), *self.above.shape[1:])
+        multiply_columns(self._c, self._by_block(product), self._cut(output))
+        return output[: len(self.above)]
 
-    def convolve(self) -> np.ndarray:
-        """C ((A x) ∘ ŵ) of `x`: (T, B, D)."""
-        return self._forwards(self._x_blocks, self._ax, self.blocks.c, self.d_convolved)
-
-    def convolve_transposed(self) -> np.ndarray:
-        """Aᵀ ((Cᵀ z) ∘ ŵᵀ) of `z`: (T, B, C)."""
-        multiply_columns(self._c_down.T, self._z_blocks, self._by_block(self._cz))
-        return self._backwards(self._cz)
-
-    def convolve_transposed_pullback(self) -> np.ndarray:
-        """dz = C ((A dx̂) ∘ ŵ) of `error`: as `z`."""
-        return self._forwards(self._error_blocks, self._a_error, self._c_down, self.z)
-
-    def convolve_pullback(self, with_dx: bool = True) -> np.ndarray | None:
-        """dx = Aᵀ ((Cᵀ dy) ∘ ŵᵀ) of `d_convolved`: (T, B, C); without dx, only Cᵀ dy."""
-        multiply_columns(self.blocks.c.T, self._dy_blocks, self._by_block(self._c_dy))
-        return self._backwards(self._c_dy) if with_dx else None
-
-    def _forwards(
-        self, blocks: np.ndarray, analysed: np.ndarray, c: np.ndarray, like: np.ndarray
-    ) -> np.ndarray:
-        """C ((A blocks) ∘ ŵ), as many rows as `like`; A blocks is kept for the gradient of W."""
-        multiply_columns(self.blocks.a, blocks, self._by_block(analysed))
-        product = self._memory(*analysed.shape[:2], like.shape[2])
-        multiply_rows(analysed, self.spectra.w_hat, product)
-        output = self._other_memory(self._count * len(c), *like.shape[1:])
-        multiply_columns(c, self._by_block(product), self._cut(output))
-        return output[: len(like)]
-
-    def _backwards(self, spectra: np.ndarray) -> np.ndarray:
-        """Aᵀ (spectra ∘ ŵᵀ), the overlaps added."""
-        _, batch, channels = self.x.shape
-        points = self.blocks.points
-        product = self._memory(*spectra.shape[:2], channels)
-        multiply_rows(spectra, self.spectra.w_hat.transpose(0, 2, 1), product)
-        parts = self._other_memory(self._count * points, batch, channels)
-        multiply_columns(self.blocks.a.T, self._by_block(product), self._cut(parts))
-        output = self._memory((self._count - 1) * self.blocks.frames + points, batch, channels)
-        overlap_add(self._cut(parts), self.blocks, _as_rows(output))
+    def backwards(self, with_result: bool = True) -> np.ndarray | None:
+        """Aᵀ ((Cᵀ `above`) ∘ ŵᵀ), as `below`; without the result, only Cᵀ `above`."""
+        multiply_columns(self._c.T, self._above_blocks, self._by_block(self._above_spectra))
+        if not with_result:
+            return None
+        blocks = self.spectra.blocks
+        frame = self.below.shape[1:]
+        product = self._memory(*self._above_spectra.shape[:2], frame[1])
+        multiply_rows(self._above_spectra, self.spectra.w_hat.transpose(0, 2, 1), product)
+        parts = self._other_memory(self.spectra.count * blocks.points, *frame)
+        multiply_columns(blocks.a.T, self._by_block(product), self._cut(parts))
+        output = self._memory((self.spectra.count - 1) * blocks.frames + blocks.points, *frame)
+        overlap_add(self._cut(parts), blocks, _as_rows(output))
         return output[self._inside]
 
     def _by_block(self, rows: np.ndarray) -> np.ndarray:
         """(S, count · B, width) as (count, S, B · width) for the transforms, the same memory."""
-        return rows.reshape(len(rows), self._count, -1).transpose(1, 0, 2)
+        return rows.reshape(len(rows), self.spectra.count, -1).transpose(1, 0, 2)
 
     def _cut(self, rows: np.ndarray) -> np.ndarray:
         """(count · n, B, width) as (count, n, B · width), the same memory."""
-        return rows.reshape(self._count, len(rows) // self._count, -1)
+        return rows.reshape(self.spectra.count, len(rows) // self.spectra.count, -1)
 
 
 def _as_rows(frames: np.ndarray) -> np.ndarray:
@@ -224,67 +202,66 @@ def _as_rows(frames: np.ndarray) -> np.ndarray:
     return frames.reshape(len(frames), -1)
 
 
-class DirectConvolution:
-    """One layer's W in the encoder and in the decoder, for one window: B is 1.
+class DirectFilters:
+    """The filters of one layer that is convolved as defined, for one window: B is 1.
 
     Attributes
     ----------
     w : (K, C, D) array
         W; the caller sets it.
-    x, z, error, d_convolved : arrays
-        As those of `SpectralConvolution`.
     """
+
+    w: np.ndarray
 
     def __init__(self, sizes: LayerSizes):
         self.sizes = sizes
-        frames = sizes.frames
-        self._inside = slice(sizes.taps // 2, sizes.taps // 2 + frames)
-        self._padded_x = np.zeros((frames + sizes.taps - 1, 1, sizes.channels), sizes.dtype)
-        self._padded_error = np.zeros_like(self._padded_x)
-        self.x = self._padded_x[self._inside]
-        self.error = self._padded_error[self._inside]
-        self._dy_and_z = np.zeros((frames + frames // sizes.rate, 1, sizes.filters), sizes.dtype)
-        self.d_convolved = self._dy_and_z[:frames]
-        self.z = self._dy_and_z[frames:]
-        self.w = np.zeros((sizes.taps, sizes.channels, sizes.filters), sizes.dtype)
 
-    def convolve(self) -> np.ndarray:
-        """x̃ W of `x`: (T, 1, D)."""
-        self._x_rows = unfold(self._padded_x.swapaxes(0, 1), self.sizes.taps)
-        return (self._x_rows @ self._matrix)[:, None]
-
-    def convolve_transposed(self) -> np.ndarray:
-        """fold(z Wᵀ) of `z`: (T, 1, C)."""
-        return self._fold(self.z, self.sizes.rate)
-
-    def convolve_transposed_pullback(self) -> np.ndarray:
-        """dz = d̃x̂ W of `error`: as `z`."""
-        padded = self._padded_error
-        if self.sizes.rate == 2:
-            padded = padded.copy()
-            padded[:-1] += padded[1:]
-        self._error_rows = unfold(padded.swapaxes(0, 1), self.sizes.taps)[:: self.sizes.rate]
-        return (self._error_rows @ self._matrix)[:, None]
-
-    def convolve_pullback(self, with_dx: bool = True) -> np.ndarray | None:
-        """dx = fold(dy Wᵀ) of `d_convolved`: (T, 1, C); nothing without dx."""
-        return self._fold(self.d_convolved, 1) if with_dx else None
+    def passes(self, windows: slice, memory: tuple[Memory, Memory]) -> list[DirectPass]:
+        """The encoder's convolution and the decoder's."""
+        self._passes = [DirectPass(self, 1), DirectPass(self, self.sizes.rate)]
+        return self._passes
 
     def gradient(self, dw: np.ndarray, part: Part) -> None:
         """Compute dw, all of it in one thread."""
-        rows = np.concatenate([self._x_rows, self._error_rows])
-        np.matmul(rows.T, self._dy_and_z[:, 0], out=dw.reshape(-1, dw.shape[2]))
+        rows = np.concatenate([each.rows for each in self._passes])
+        above = np.concatenate([each.above[:, 0] for each in self._passes])
+        np.matmul(rows.T, above, out=dw.reshape(-1, dw.shape[2]))
 
-    @property
-    def _matrix(self) -> np.ndarray:
-        return self.w.reshape(-1, self.sizes.filters)
 
-    def _fold(self, rows: np.ndarray, step: int) -> np.ndarray:
-        """The adjoint of unfolding, for every `step`-th frame and the one after it, and of W."""
-        parts = (rows[:, 0] @ self._matrix.T).reshape(len(rows), self.sizes.taps, 1, -1)
-        out = np.zeros_like(self._padded_x)
-        for k in range(self.sizes.taps):
-            out[k : k + len(rows) * step : step] += parts[:, k]
-        if step == 2:
+class DirectPass:
+    """The encoder's or the decoder's convolution of one layer, for one window, as defined.
+
+    A row of `above` stands for `rate` frames. `below` and `above` are those of `SpectralPass`.
+    """
+
+    def __init__(self, filters: DirectFilters, rate: int):
+        sizes = filters.sizes
+        self._filters = filters
+        self._rate = rate
+        self._inside = slice(sizes.taps // 2, sizes.taps // 2 + sizes.frames)
+        self._padded = np.zeros((sizes.frames + sizes.taps - 1, 1, sizes.channels), sizes.dtype)
+        self.below = self._padded[self._inside]
+        self.above = np.zeros((sizes.frames // rate, 1, sizes.filters), sizes.dtype)
+
+    def forwards(self) -> np.ndarray:
+        """x̃ W of `below`, as `above`."""
+        padded = self._padded
+        if self._rate == 2:
+            padded = padded.copy()
+            padded[:-1] += padded[1:]
+        w = self._filters.w
+        self.rows = unfold(padded.swapaxes(0, 1), len(w))[:: self._rate]
+        return (self.rows @ w.reshape(-1, w.shape[2]))[:, None]
+
+    def backwards(self, with_result: bool = True) -> np.ndarray | None:
+        """fold(z Wᵀ) of `above`, the adjoint of `forwards`, as `below`."""
+        if not with_result:
+            return None
+        w = self._filters.w
+        parts = (self.above[:, 0] @ w.reshape(-1, w.shape[2]).T).reshape(-1, len(w), 1, w.shape[1])
+        out = np.zeros_like(self._padded)
+        for k in range(len(w)):
+            out[k : k + len(self.below) : self._rate] += parts[:, k]
+        if self._rate == 2:
             out[1:] += out[:-1]
         return out[self._inside]
