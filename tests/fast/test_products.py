@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from numpy_cae.fast import products
-from numpy_cae.fast.products import aligned_empty, multiply_columns, multiply_rows
+from numpy_cae.fast.products import multiply_columns, multiply_rows
 
 LENGTH = st.integers(0, 40)
 
@@ -36,13 +36,3 @@ def test_groups_of_columns(count, rows, inner, width):
     multiply_columns(a, b, out[..., :width])
     np.testing.assert_allclose(out[..., :width], a @ b, atol=1e-12)
     assert np.isnan(out[..., width:]).all()
-
-
-def test_memory_is_used_again_when_no_view_is_left_and_not_before():
-    array = aligned_empty((5, 1000), np.float32)
-    start = array.ctypes.data
-    view = array[2:, ::2].T
-    del array
-    assert aligned_empty((5, 1000), np.float32).ctypes.data != start
-    del view
-    assert aligned_empty((999, 5), np.float32).ctypes.data == start
