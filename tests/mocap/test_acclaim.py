@@ -83,9 +83,8 @@ def test_dof_orders_values_and_rotations(read_pair, order):
     expected = c @ fixed(order.replace("r", "").replace(" ", ""), 40, 50, 60) @ c.T
     _, turned = motion.forward_kinematics()
     root = fixed("xyz", 10, 20, 30)
-    np.testing.assert_allclose(
-        Rotation.from_quat(turned[0, 2]).as_matrix(), root @ expected, atol=1e-12
-    )
+    matrix = Rotation.from_quat(turned[0, 2]).as_matrix()
+    np.testing.assert_allclose(matrix, root @ expected, atol=1e-12)
 
 
 def test_the_roots_order_position_and_orientation_are_honoured(read_pair):

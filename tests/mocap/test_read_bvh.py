@@ -55,9 +55,8 @@ def test_positions_are_those_of_explicit_matrices(tmp_path_factory, drawn):
     path = tmp_path_factory.mktemp("drawn") / "drawn.bvh"
     path.write_text(bvh_text(joints, values), encoding="utf-8")
     motion = read_bvh(path, unit=0.5)
-    np.testing.assert_allclose(
-        motion.positions(), 0.5 * plain_positions(joints, values), rtol=0, atol=1e-9
-    )
+    expected = 0.5 * plain_positions(joints, values)
+    np.testing.assert_allclose(motion.positions(), expected, rtol=0, atol=1e-9)
     assert motion.skeleton.names == tuple(joint.name for joint in joints)
     assert motion.skeleton.parents == tuple(joint.parent for joint in joints)
     np.testing.assert_allclose(motion.skeleton.offsets, [0.5 * np.array(j.offset) for j in joints])

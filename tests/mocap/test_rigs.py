@@ -101,9 +101,8 @@ def test_a_joint_is_named_as_ours_or_as_the_rigs():
 def test_an_invalid_mapping_is_refused_with_its_file(tmp_path, text):
     file = tmp_path / "rig.json"
     file.write_text(text)
-    with pytest.raises(
-        UnknownRigError, match=r"rig\.json: (not JSON|expected an obj|not among|a stands)"
-    ):
+    words = r"rig\.json: (not JSON|expected an obj|not among|a stands)"
+    with pytest.raises(UnknownRigError, match=words):
         read_mapping(file)
 
 
@@ -144,6 +143,18 @@ def bone(joint):
 def swapped(joint):
     """Names of a known rig in the wrong order, which are not believed."""
     return {"left_shoulder": "left_elbow", "left_elbow": "left_shoulder"}.get(joint, joint)
+
+
+def test_rig_writes_the_suggestion_where_known_names_leave_fewer_joints(run, tmp_path):
+    """left_toe is the ankle of this rig. Its trunk is short, so nothing is taken for granted."""
+    short = LENGTHS * np.where(np.isin(JOINTS, ["spine", "chest"]), 0.2, 1.0)
+    motion = person(lambda joint: joint.replace("toe", "tip").replace("ankle", "toe"), (), short)
+    take, mapping = tmp_path / "take.bvh", tmp_path / "rig.json"
+    write_bvh(motion, take)
+    assert len(load_motion(take).rig.found) < len(JOINTS)
+    run("rig", take, "-o", mapping)
+    rig_of(load_motion(take, mapping=read_mapping(mapping)))
+    assert read_mapping(mapping)["left_ankle"] == "left_toe"
 
 
 def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_path):

@@ -203,9 +203,8 @@ def test_only_the_numbers_of_changed_rotations_and_translations_differ(odd):
     after = replace(after, translations=motion.translations.copy())
     after.translations[4, 0, 1] += 0.05
     write_like(source, motion, after, path)
-    old, new = (
-        re.split(r"(\s+)", file.read_bytes().decode().split("MOTION")[1]) for file in (source, path)
-    )
+    texts = (file.read_bytes().decode().split("MOTION")[1] for file in (source, path))
+    old, new = (re.split(r"(\s+)", text) for text in texts)
     assert len(old) == len(new)
     # Six words before the first frame: Frames:, 12, Frame, Time:, .0333333.
     changed = [divmod(place // 2 - 6, 12) for place in range(len(old)) if old[place] != new[place]]
