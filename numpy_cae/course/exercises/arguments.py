@@ -266,13 +266,10 @@ def cubic(case: Case, rng: np.random.Generator, made: dict) -> Recorded:
     return Recorded(f"lambda x: np.sum(np.array({np.round(w, 4).tolist()}) * x**3)")
 
 
-def matrix_arguments(case: Case) -> dict[str, object]:
-    """A matrix with a wrong pullback, and arrays of two axes for which the gap is not 0."""
-    rng = case.rng()
+def wrong_matrix(case: Case, rng: np.random.Generator, made: dict) -> Matrix:
+    """A matrix with a wrong pullback."""
     a = spread(rng, (case["rows"], case["columns"]))
-    x = spread(rng, (case["columns"], 2)) + 3.0
-    y = spread(rng, (case["rows"], 2)) + 3.0
-    return {"f": Matrix(a, a + 1), "x": x, "y": y}
+    return Matrix(a, a + 1)
 
 
 def seed(case: Case, rng: np.random.Generator, made: dict) -> int:
