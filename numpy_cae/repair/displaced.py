@@ -30,7 +30,7 @@ from numpy_cae.motion.quaternions import angle, inverse, product
 from numpy_cae.repair import curves
 from numpy_cae.repair.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
 from numpy_cae.repair.finding import Finding, confidence
-from numpy_cae.repair.interpolated import interpolate_channels
+from numpy_cae.repair.interpolated import TRANSLATION_KINDS, interpolate_channels
 from numpy_cae.repair.spikes import carried, longest_spike
 
 JUMP_TO_NEIGHBOURS_RATIO = 3.0
@@ -95,13 +95,16 @@ def find_displaced(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
 
 
 def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
-    """The motion with displacements undone, and what is "displaced" interpolated."""
+    """The motion with displacements undone; what is "displaced" is interpolated, and places that
+    are others for as short a time as a spike."""
+    moved = [f for f in findings if f.kind in TRANSLATION_KINDS and _is_short(f, motion)]
+    interpolated = [f for f in findings if f.kind == "displaced"] + moved
     changed: dict[str, Any] = {}  # rotations and translations
     for curve in curves_of(motion):
         kind = "turned" if curve.is_rotation else curve.spike_kind
         name = "rotations" if curve.is_rotation else "translations"
         for finding in findings:
-            if (finding.joint, finding.kind) == (curve.name, kind):
+            if (finding.joint, finding.kind) == (curve.name, kind) and finding not in moved:
                 if name not in changed:  # an hour of rotations takes 0.4 GB: one copy for all
                     changed[name] = getattr(motion, name).copy()
                 values = _undone(curve, finding.stretch)
@@ -110,7 +113,13 @@ def mend_displaced(motion: Motion, findings: list[Finding]) -> Motion:
                 changed[name][finding.stretch, curve.joint] = values
                 curve = replace(curve, values=changed[name][:, curve.joint])
     undone = replace(motion, **changed)
-    return interpolate_channels(undone, [f for f in findings if f.kind == "displaced"])
+    return interpolate_channels(undone, interpolated)
+
+
+def _is_short(finding: Finding, motion: Motion) -> bool:
+    """Whether a finding has frames before and after it and is no longer than a spike."""
+    first, end = finding.stretch.start, finding.stretch.stop
+    return 0 < first and end < len(motion) and end - first <= longest_spike(motion.rate)
 
 
 def _classified(curve: Curve, sensitivity: float) -> Iterator[tuple[Segment, str]]:

@@ -4,7 +4,8 @@ The paper projects the whole motion (`project_motion`), which also changes what 
 changes only what is damaged, and `fill_motion` only what the user says is missing. A repair is
 
     find a T-pose at the start, and set it aside
-    find and mend what the file itself shows: each of `STEPS`
+    find what the file itself shows: `find_segments`
+    mend it, kind by kind, and what is found on the way: each of `STEPS`
     fill in what is missing for long, by the manifold
     put the T-pose back
 
@@ -28,7 +29,7 @@ from numpy_cae.repair import jumps
 from numpy_cae.repair.curves import slides_of
 from numpy_cae.repair.displaced import find_displaced, mend_displaced
 from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import Finding, marked, shifted, usable
+from numpy_cae.repair.finding import BODY, Finding, joint_names, marked, shifted, usable
 from numpy_cae.repair.holes import UNKNOWN_METRES, complete_holes, filled_by
 from numpy_cae.repair.interpolated import interpolate_channels, with_finite_values
 from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
@@ -53,7 +54,7 @@ became worse."""
 
 
 class Step(NamedTuple):
-    """How damage of some kinds is found and mended.
+    """How damage of some kinds is mended, and found unless `find_segments` has found it (None).
 
     `option` is the setting of a preset with which the step is taken, "" if it is always taken. What
     leaves more than the share `jumps_left` of the jumps near a finding is undone. A step that
@@ -63,7 +64,7 @@ class Step(NamedTuple):
     """
 
     kinds: tuple[str, ...]
-    find: Callable[..., list[Finding]]
+    find: Callable[..., list[Finding]] | None
     mend: Callable[..., Motion]
     done: float
     option: str = ""
@@ -72,9 +73,9 @@ class Step(NamedTuple):
 
 
 STEPS = (
-    Step(("repeated", "frozen"), find_still, interpolate_channels, 0.01),
-    Step(("turned", "displaced", "length", "root elsewhere"), find_displaced, mend_displaced, 0.16),
-    Step(("spike",), find_spikes, interpolate_channels, 0.33),
+    Step(("repeated", "frozen"), None, interpolate_channels, 0.25),
+    Step(("turned", "displaced", "length", "root elsewhere"), None, mend_displaced, 0.3),
+    Step(("spike",), None, interpolate_channels, 0.33),
     Step(("limb turned",), find_limb_turns, mend_limb_turns, 0.55, asks=True),
     Step(("jitter",), jumps.find_jitter, jumps.smooth_motion, 0.6, "smooth"),
     Step(("jumps",), jumps.find_jumps, jumps.mend_jumps, 0.7, jumps_left=0.65),
@@ -190,6 +191,7 @@ def mend(
     ['spike']
     """
     preset = preset or Preset()
+    listed = find_segments(motion, preset.sensitivity) if given is None else given
     found: list[Finding] = []
     for step in STEPS:
         asked = step.option and getattr(preset, step.option)
@@ -197,15 +199,49 @@ def mend(
         skipped = step.option or is_held(found, len(motion))
         if (step.asks and manifold is None) or (skipped and not asked and given is None):
             continue
-        if given is not None and not asked:
-            damage = [finding for finding in given if finding.kind in step.kinds]
-        else:
+        if step.find and (given is None or asked):
             damage = step.find(motion, preset.sensitivity, *model)
+        else:
+            damage = [finding for finding in listed if finding.kind in step.kinds]
+            damage = _apart(damage, found, motion) if given is None else damage
         motion, damage = _mended(motion, damage, step, model, given is not None)
         found += damage
         if progress:
             progress(step.done)
     return motion, found + [finding for finding in given or [] if finding.kind == "marked"]
+
+
+def find_segments(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+    """What stands still, is displaced or is a spike, in the motion as it is."""
+    displaced = find_displaced(motion, sensitivity)
+    spikes = _apart(find_spikes(motion, sensitivity), displaced, motion)
+    return find_still(motion, sensitivity) + displaced + spikes
+
+
+def _apart(findings: list[Finding], mended: list[Finding], motion: Motion) -> list[Finding]:
+    """The findings that do not touch what was mended of their joint or of the whole body: a
+    rotation that is frozen jumps where it ends, and all joints jump where a pose is repeated.
+
+    Of a displacement only the ends count: what is between them is right but for it.
+    """
+    names = [BODY, *joint_names(motion)]
+    explained = np.zeros((len(motion) + 1, len(names)), bool)
+    for finding in mended:
+        if finding.status == "repaired":
+            explained[_frames_near(finding, motion), names.index(finding.joint)] = True
+    return [
+        finding
+        for finding in findings
+        if not explained[_frames_near(finding, motion)][:, [0, names.index(finding.joint)]].any()
+    ]
+
+
+def _frames_near(finding: Finding, motion: Motion) -> np.ndarray:
+    """The frames of a finding and those beside them, or only those around the ends of a
+    displacement."""
+    frames = np.arange(finding.frames[0] - 1, finding.frames[1] + 2).clip(0, len(motion))
+    is_displaced = finding.kind in ("turned", "length", "root elsewhere")
+    return frames[[0, 1, -2, -1]] if is_displaced else frames
 
 
 def _mended(
