@@ -13,7 +13,7 @@ from numpy_cae.verify.checks.mismatch import ALTERED, LONGEST_TEXT
 from numpy_cae.verify.operations import catalogue
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.catalogue import Exercise
-from numpy_cae.verify.operations.property import Outcome, Property, failing_case, failure
+from numpy_cae.verify.operations.property import Outcome, failing_case, failure
 from numpy_cae.verify.operations.shared_properties import LARGEST
 from numpy_cae.verify.operations.trial import try_property
 from numpy_cae.visible import visible
@@ -193,23 +193,19 @@ def tested(
 ) -> tuple[Outcome, ...]:
     """The outcome of every property.
 
-    `begin` is called before each case, with the outcomes of the properties before.
+    `begin` is called before each case, with the outcomes of the properties before. If the function
+    raises, or returns something else than it has to, in every case, no other property is tried.
     """
     first, *others = exercise.properties
     outcomes = [try_property(first, function, begin=partial(begin, ()))]
     is_unsolved = outcomes[0].kind == UNSOLVED
-    is_tried = outcomes[0].held or not (is_unsolved or _never_answers(first, function))
+    errors = (failure(first, function, case) for case in first.cases())
+    answers = not is_unsolved and any(isinstance(e, AssertionError | None) for e in errors)
     for stated in others:
         untried = Outcome(stated, False, UNSOLVED * is_unsolved, kind=UNSOLVED * is_unsolved)
         begin_next = partial(begin, outcomes)
-        outcomes.append(try_property(stated, function, begin=begin_next) if is_tried else untried)
+        outcomes.append(try_property(stated, function, begin=begin_next) if answers else untried)
     return tuple(outcomes)
-
-
-def _never_answers(stated: Property, function: Callable) -> bool:
-    """Whether a function raises, or returns something else than it has to, in every case."""
-    errors = (failure(stated, function, case) for case in stated.cases())
-    return not any(isinstance(error, AssertionError | None) for error in errors)
 
 
 def holds(exercise: Exercise, implementation: Callable) -> bool:
@@ -236,25 +232,18 @@ def report_of(exercise: Exercise, reply: dict) -> Report:
     If the process was ended, the outcomes until then count. Names, statements and points are not
     taken from the reply.
     """
+    outcomes: list[Outcome] = []
     try:
-        problem = readable(reply.get("failed", ""))
-        if "outcomes" in reply or not problem:
-            both = zip(exercise.properties, reply["outcomes"], strict=not problem)
-            outcomes = [
-                Outcome(stated, one["held"] is True, *(readable(one[name]) for name in TEXTS))
-                for stated, one in both
-            ]
-            if problem:
-                outcomes += _ended(exercise.properties[len(outcomes) :], problem, reply["trying"])
-            return Report(exercise, exercise.name, tuple(outcomes))
+        problem = readable(reply["failed"])
+        told = reply.get("outcomes", ()) if problem else reply["outcomes"]
+        outcomes = [
+            Outcome(stated, one["held"] is True, *(readable(one[name]) for name in TEXTS))
+            for stated, one in zip(exercise.properties, told, strict=not problem)
+        ]
+        if "trying" in reply and problem:
+            problem += f"\nit was tried with {readable(reply['trying'])}; smaller cases were right"
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
-    outcomes = [Outcome(stated, False, problem) for stated in exercise.properties]
+    left = exercise.properties[len(outcomes) :]
+    outcomes += [Outcome(stated, False, problem * (stated is left[0])) for stated in left]
     return Report(exercise, exercise.name, tuple(outcomes))
-
-
-def _ended(left: Sequence[Property], problem: str, trying: str) -> list[Outcome]:
-    """The outcomes of the properties that were left when the process ended."""
-    what = f"{problem}\nit was tried with {readable(trying)}; smaller cases were right"
-    first, *others = left
-    return [Outcome(first, False, what), *(Outcome(stated, False) for stated in others)]

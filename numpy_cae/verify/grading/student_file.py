@@ -1,21 +1,44 @@
-"""Grading of a student's file: every function in it is tested for its properties."""
+"""Grading of a student's file: every function in it is tested for its properties.
 
+A process tests them, which is ended in time.
+"""
+
+import functools
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
 import textwrap
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
 from numpy_cae.verify.grading.report import UNSOLVED, WIDTH, Report, readable, report_of
-from numpy_cae.verify.grading.sandbox.process import run
 from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import catalogue as operations
-from numpy_cae.verify.operations.catalogue import Exercise
 
 TIME_LIMIT = 30.0
 """TIME_LIMIT: one function has this processor time (s) by default; it may be idle as long again."""
 MEMORY_LIMIT = 2048
 """MEMORY_LIMIT: each process has this memory (MB) by default."""
+STARTUP_SECONDS = 30.0
+"""STARTUP_SECONDS: the grader's process may take this time (s) to import its modules."""
+BUSY = 10
+"""BUSY: the grader itself is ended after so many times the limits of all functions.
+
+The limits that decide on marks do not count the time in which a process waits for a processor. This
+one is for a grader that a student's file has stopped.
+"""
+PREFIX = "numpy_cae_grading_"
+PROJECT = str(Path(__file__).parents[3])
+KEPT = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
+LIBRARIES = ("OPENBLAS", "OMP", "MKL", "BLIS")
+ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in LIBRARIES}
+CHILD = [sys.executable, "-B", "-m", "numpy_cae.verify.grading.sandbox"]
+BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 COPIED = "the cell of {} is there more than once: the last one counts"
 MISSING = "no function has an operation's name (exercises of a lesson need --lesson NN): "
@@ -98,8 +121,7 @@ def grade(
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
     submission = read_submission(path)
     assigned = lessons.get(lesson or submission.lesson(lessons), ())
-    tested = assigned or (exercises if submission.is_notebook else operations.CATALOGUE)
-    wanted = [*tested]
+    wanted = [*(assigned or (exercises if submission.is_notebook else operations.CATALOGUE))]
     reply = {"failed": submission.fault}
     if not submission.fault:
         tested = assigned or submission.defined() & {*wanted}
@@ -109,37 +131,29 @@ def grade(
         file = {"path": str(path.resolve()), "catalogue": catalogue.__name__, "wanted": wanted}
         file |= {"given": sorted(given), "replaced": assigned if submission.is_notebook else ()}
         reply = run({**file, "seconds": seconds, "megabytes": megabytes})
-    return _graded(submission, exercises, wanted, assigned, reply)
+    return _graded(submission, {name: exercises[name] for name in wanted}, assigned, reply)
 
 
-def _graded(
-    submission: Submission,
-    catalogue: Mapping[str, Exercise],
-    wanted: Collection[str],
-    assigned: Collection[str],
-    reply: dict,
-) -> FileReport:
-    """The report from the reply of `run`; what is assigned counts in any case."""
+def _graded(submission: Submission, wanted: dict, assigned: Collection, reply: dict) -> FileReport:
+    """The report from the reply of `run` on the wanted exercises, by name.
+
+    Those that are assigned count in any case.
+    """
     graded = FileReport(submission.path, copied=submission.copied)
     graded.notes += [COPIED.format(name) for name in submission.copied]
     results = reply.get("results", {})
     problems = reply.get("problems", [])
     fault = reply["failed"] or (problems[0] if problems and not submission.is_notebook else "")
-    defined = submission.defined() if fault else ()
-    helpers: list[Report] = []
-    for name in wanted:
-        if not (name in results or name in assigned or name in defined):
-            continue
-        result = results.get(name, {"failed": f"it has no function {name}"})
-        result = {"failed": fault} if fault else result
-        report = report_of(catalogue[name], result)
-        if name not in assigned and _is_helper(report, submission):
-            helpers.append(report)
-        else:
-            graded.reports.append(report)
-    if graded.reports:
+    counted = {*results, *assigned, *(submission.defined() if fault else ())}
+    for name in (name for name in wanted if name in counted):
+        failed = {"failed": fault or f"it has no function {name}"}
+        result = failed if fault else results.get(name, failed)
+        graded.reports.append(report_of(wanted[name], result))
+    others = [report for report in graded.reports if report.operation not in assigned]
+    helpers = [report for report in others if _is_helper(report, submission)]
+    if len(helpers) < len(graded.reports):
         graded.notes += [HELPER.format(report.called) for report in helpers]
-    graded.reports = graded.reports or helpers
+        graded.reports = [report for report in graded.reports if report not in helpers]
     missing = [] if graded.reports else [MISSING]
     graded.faults += map(readable, [fault] if fault else problems + missing)
     return graded
@@ -150,3 +164,29 @@ def _is_helper(report: Report, submission: Submission) -> bool:
     first, *others = report.outcomes
     answers = first.kind in ("", UNSOLVED) or any(one.held or one.problem for one in others)
     return not answers and submission.calls(report.called)
+
+
+def run(request: dict) -> dict:
+    """The reply of `sandbox.main` to a request, or {"failed": why}."""
+    environment = {name: os.environ[name] for name in KEPT if name in os.environ} | ONE_THREAD
+    environment["PYTHONPATH"] = os.pathsep.join([PROJECT, os.environ.get("PYTHONPATH", "")])
+    processes = len(request["wanted"]) + 1
+    timeout = BUSY * (2 * request["seconds"] * processes + STARTUP_SECONDS)
+    with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as folder:
+        environment["TMPDIR"] = folder
+        inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
+        options = {"cwd": folder, "env": environment, "start_new_session": True, "timeout": timeout}
+        text = json.dumps(request).encode()
+        try:
+            ended = subprocess.run([*inside, *CHILD], input=text, capture_output=True, **options)
+            return json.loads(ended.stdout)
+        except (subprocess.TimeoutExpired, ValueError):
+            return {"failed": "its grading ended without a reply"}
+
+
+@functools.cache
+def has_bubblewrap() -> bool:
+    """Whether bubblewrap is installed and works here; it needs namespaces of its user."""
+    if shutil.which("bwrap") is None:
+        return False
+    return subprocess.run([*BUBBLEWRAP, "true"], capture_output=True).returncode == 0

@@ -20,6 +20,7 @@ LARGEST_NOTEBOOK = 2**25
 MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
 CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
 STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
+Functions = Mapping[str, Callable]
 DEFINITION = re.compile(r"^def (\w+)\(", re.MULTILINE)
 
 
@@ -62,9 +63,7 @@ class Submission:
         sources = (source for _, source in self.cells)
         return "\n".join(s if isinstance(s, str) else s.decode("latin-1") for s in sources)
 
-    def run(
-        self, given: Mapping[str, Callable], instead: Mapping[str, Callable]
-    ) -> tuple[dict[str, Callable], list[str]]:
+    def run(self, given: Functions, instead: Functions) -> tuple[dict[str, Callable], list[str]]:
         """Run it as a module; return the functions that it defines, and what went wrong.
 
         The parts may use the functions of `given` and, in a notebook, `np`. After the parts have
