@@ -26,7 +26,7 @@ from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.exercises.exercise import MAKES, with_hint
 from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.checks.mismatch import error_text, file_of
+from numpy_cae.verify.checks.call import error_text, file_of
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.grading.report import report as report_on
 from numpy_cae.verify.grading.submission import MAGIC

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from numpy_cae.verify.checks.mismatch import REPEATED, Mismatch
+from numpy_cae.verify.checks.call import REPEATED, Mismatch
 
 
 def of_cache(forward: Callable, backward: Callable) -> Callable:

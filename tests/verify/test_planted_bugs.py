@@ -9,7 +9,7 @@ import pytest
 
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.operations.catalogue import CATALOGUE
-from numpy_cae.verify.operations.patch import BUGS, Patch, read_patches, right_operation
+from numpy_cae.verify.operations.patch import BUGS, Patch, read_patches
 from numpy_cae.verify.operations.property import GRADIENT
 from numpy_cae.verify.operations.trial import try_property
 
@@ -57,7 +57,7 @@ def test_mistakes_of_large_sizes_and_of_several_calls_are_caught(bug):
 )
 def test_what_is_wrong_in_its_own_way_has_no_bug_but_what_was_seen(name, change, sentence):
     def wrong(y):
-        x, pullback = right_operation(name)(y)
+        x, pullback = CATALOGUE[name].solution(y)
         return x, lambda dx: change(x, y, pullback(dx))
 
     (tried,) = (each for each in CATALOGUE[name].properties if each.group == GRADIENT)
@@ -67,7 +67,7 @@ def test_what_is_wrong_in_its_own_way_has_no_bug_but_what_was_seen(name, change,
 
 
 def test_a_patch_that_does_not_fit_the_source_fails_loudly():
-    replaced = ("return dy * 17",), ("return dy",)
+    replaced = "return dy * 17", "return dy"
     bug = Patch("stale", "tanh", "value", "Made for another source.", (replaced,))
     with pytest.raises(ValueError, match=r"stale: found 0 times, expected once: return dy \* 17"):
         bug.function()

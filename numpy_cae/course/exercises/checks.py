@@ -12,10 +12,8 @@ from inspect import signature
 import numpy as np
 
 from numpy_cae.verify.checks import call as calling
-from numpy_cae.verify.checks import mismatch
-from numpy_cae.verify.checks.call import leaves, rebuilt, require_shape
+from numpy_cae.verify.checks.call import Mismatch, leaves, rebuilt, require_shape
 from numpy_cae.verify.checks.gradients import wrong_gradients
-from numpy_cae.verify.checks.mismatch import Mismatch
 from numpy_cae.verify.operations.case import LAYOUTS, Case
 from numpy_cae.verify.operations.property import drawn_upstream, require_equal
 from numpy_cae.verify.operations.trial import same
@@ -45,7 +43,7 @@ def purity(arguments, function, case, **given):
     after = calling.all_leaves([*given.values()], [*given])
     for (part, array), (_, now) in zip(before, after, strict=True):
         if isinstance(array, np.ndarray) and not np.array_equal(now, array):
-            raise Mismatch(mismatch.ALTERED, part, f"the call changes {part}")
+            raise Mismatch(calling.ALTERED, part, f"the call changes {part}")
 
 
 def strides(arguments, function, case, **given):
@@ -54,7 +52,7 @@ def strides(arguments, function, case, **given):
     returned = function(*_changed(given, LAYOUTS[case.get("layout")]))
     if not same(arrays_in(returned, case), expected):
         text = f"of arrays {case.get('layout')}, it returns something else than of copies of them"
-        raise Mismatch(mismatch.NUMBER, "the result", text)
+        raise Mismatch(calling.NUMBER, "the result", text)
 
 
 def dtype(arguments, function, case, **given):
@@ -62,7 +60,7 @@ def dtype(arguments, function, case, **given):
     narrowed = _changed(given, lambda a: a.astype(np.float32) if a.dtype == np.float64 else a)
     for result in numbers_in(function(*narrowed), case):
         if getattr(result, "dtype", None) == np.float64:
-            raise Mismatch(mismatch.DTYPE, "the result", "given float32, a result is float64")
+            raise Mismatch(calling.DTYPE, "the result", "given float32, a result is float64")
 
 
 def independence(arguments, function, case, **given):
@@ -72,10 +70,10 @@ def independence(arguments, function, case, **given):
     function(*arguments(Case(case.sizes, case.seed + 1)).values())
     if not same(arrays_in(first, case), kept):
         text = "after another call, what the first one returned is another"
-        raise Mismatch(mismatch.OVERWRITTEN, "the result", text)
+        raise Mismatch(calling.OVERWRITTEN, "the result", text)
     if not same(arrays_in(function(*deepcopy(given).values()), case), kept):
         text = "called again after a call with other arguments, it returns something else"
-        raise Mismatch(mismatch.REPEATED, "the result", text)
+        raise Mismatch(calling.REPEATED, "the result", text)
 
 
 def _changed(given: Mapping[str, object], change: Callable) -> Iterator[object]:
@@ -161,7 +159,7 @@ def require_parts(returned, names) -> tuple | list:
     expected = f"expected {len(names)}: {', '.join(names)}"
     if isinstance(returned, tuple | list):
         count = f"the number of things that it returns is {len(returned)}"
-        raise Mismatch(mismatch.COUNT, "the number of things", f"{count}, {expected}")
+        raise Mismatch(calling.COUNT, "the number of things", f"{count}, {expected}")
     raise TypeError(f"it returns {type(returned).__name__}, {expected}")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation import OPERATIONS
-from numpy_cae.verify.operations.patch import BUGS, Patch, right_operation
+from numpy_cae.verify.operations.patch import BUGS, Patch
 from numpy_cae.verify.operations.property import Property
 
 GROUPS = {
@@ -42,8 +42,8 @@ class Trial:
 
         f closes over the arguments that get no gradient.
         """
-        implementation = self.bug.function() if self.bug else right_operation(self.operation)
         stated = OPERATIONS[self.operation]
+        implementation = self.bug.function() if self.bug else stated.reference
         numbers = [name for name, options in stated.sizes.items() if isinstance(options[0], int)]
         sizes = tuple((name, LONGER.get(name, 2)) for name in numbers)
         arguments = stated.arguments(Case(sizes, seed))

@@ -22,7 +22,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.verify.checks.mismatch import KINK
+from numpy_cae.verify.checks.call import KINK
 
 SMALLER = (1 / 8, 1 / 64, 1 / 512)
 LARGER = (8, 64, 512, 2**12, 2**15, 2**18)

@@ -8,15 +8,14 @@ tuples; `differences` judges one direction.
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from numpy_cae.verify.checks import call as calling
-from numpy_cae.verify.checks import differences, mismatch
-from numpy_cae.verify.checks.call import all_leaves, copies, flat, is_array, is_float, parts
+from numpy_cae.verify.checks import differences
+from numpy_cae.verify.checks.call import Mismatch, all_leaves, copies, flat, is_array, is_float
 from numpy_cae.verify.checks.differences import AGREES, SINGLE, WRONG, Argument, Verdict
-from numpy_cae.verify.checks.mismatch import WORTH_PRINTING, Mismatch, written, written_apart
 
 EVERY_ENTRY_UP_TO = 100
 """EVERY_ENTRY_UP_TO: arrays of at most so many entries are checked entry by entry."""
@@ -132,10 +131,8 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
     backward = float(np.sum(x * pulled))
     scale = np.linalg.norm(value) * np.linalg.norm(y) + np.linalg.norm(x) * np.linalg.norm(pulled)
     if not abs(forward - backward) <= tolerance * scale:
-        raise AssertionError(
-            f"the pullback is not the adjoint: <A x, y> = {forward:.12g}, "
-            f"but <x, A' y> = {backward:.12g}"
-        )
+        products = f"<A x, y> = {forward:.12g}, but <x, A' y> = {backward:.12g}"
+        raise AssertionError(f"the pullback is not the adjoint: {products}")
 
 
 def wrong_gradients(
@@ -161,7 +158,7 @@ def wrong_gradients(
         if argument.name.startswith(TOGETHER):
             problems += [] if problems else _judge_together(argument)
         else:
-            problems += _judge(argument, list(_directions(argument, rng)), rng, kinks_excused)
+            problems += _judge(argument, rng, kinks_excused)
     return problems
 
 
@@ -200,7 +197,7 @@ class _Called:
                 given[place] = part.reshape(leaves[place].shape)
             with np.errstate(all="ignore"):
                 value = self.f(*calling.rebuilt(self.inputs, iter(given)))[0]
-            return np.ravel(parts(value)[output])
+            return np.ravel(calling.parts(value)[output])
 
         return at
 
@@ -236,7 +233,9 @@ class _Called:
         size = max(float(np.max(np.abs(x), initial=0.0)) for x in before if is_float(x))
         _require_same(AGAIN, [-4.0 * g for g in kept if g is not None], again, size)
         _require_same(OVERWRITTEN, kept, gradients)
-        self._require_repeated(before, outputs, dys, kept)
+        repeated, pullback_again = self.outputs(copies(before))
+        _require_same(OTHERWISE.format("value"), outputs, repeated)
+        _require_same(OTHERWISE.format("gradient"), kept, self.pulled(pullback_again, dys))
         for number, dy in enumerate(dys):
             alone = _times(np.eye(len(dys))[number], dys)
             if dy is not None:
@@ -257,12 +256,6 @@ class _Called:
             changes = [c if c is None else np.maximum(c, np.abs(p - g)) for c, p, g in both]
         return changes
 
-    def _require_repeated(self, before: list, outputs: list, dys: list, kept: list) -> None:
-        """Raise a Mismatch unless another call returns the same, and its pullback, too."""
-        again, pullback = self.outputs(copies(before))
-        _require_same(OTHERWISE.format("value"), outputs, again)
-        _require_same(OTHERWISE.format("gradient"), kept, self.pulled(pullback, dys))
-
 
 def _upstream_of(output: object, upstream: Callable) -> object:
     """An upstream gradient in the dtype of the output; None for an output without floats."""
@@ -275,42 +268,33 @@ def _times(factors: Sequence[float], dys: Sequence) -> list:
 
 
 def _arguments(called: _Called, upstream: Callable, tolerance: float) -> Iterator[Argument]:
-    """Each array, with its gradient from each output and f as a function of it, in float64."""
-    of_outputs = list(called.pulled_twice(upstream))
-    for number, *pulled in of_outputs:
-        suffix = f" from output {number}" if len(of_outputs) > 1 else ""
-        for argument in _arguments_of(called, number, *pulled, tolerance):
-            yield replace(argument, name=argument.name + suffix)
+    """Each array, with its gradient from each output and f as a function of it, in float64.
 
-
-def _arguments_of(
-    called: _Called, number: int, dy: object, gradients: list, rounding: list, tolerance: float
-) -> Iterator[Argument]:
-    """The arguments for one output; the last one, TOGETHER, holds all arrays in one row."""
+    The last one of an output, TOGETHER, holds all arrays in one row.
+    """
     leaves = [leaf for _, leaf in called.named]
-    places = [i for i, gradient in enumerate(gradients) if gradient is not None]
-    wide = [np.array(x, np.float64) if i in places else x for i, x in enumerate(leaves)]
-    y = np.asarray(called.outputs(copies(wide))[0][number])
-    if any(getattr(array, "dtype", None) == np.float32 for array in (*leaves, y)):
-        tolerance = max(tolerance, differences.SINGLE_TOLERANCE)
-    options = {"dy": np.ravel(dy), "here": np.ravel(y), "tolerance": tolerance}
-    options["epsilon"] = float(np.finfo(y.dtype).eps)
-    in_single = False
-    for i in places:
-        name = called.named[i][0]
-        f = called.output_at(wide, [i], number)
-        pulled = {"gradient": gradients[i], "rounding": rounding[i]}
-        argument = Argument(name, f, wide[i], **pulled, **options)
-        in_single |= argument.is_computed_in_float32()
-        if called.chooses(name):
-            yield argument
-    if called.chooses(TOGETHER):
-        if in_single:
-            options |= {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
-        f = called.output_at(wide, places, number)
-        x, *pulled = (flat([each[i] for i in places]) for each in (wide, gradients, rounding))
-        options |= dict(zip(("gradient", "rounding"), pulled, strict=True))
-        yield Argument(TOGETHER, f, x, **options)
+    of_outputs = list(called.pulled_twice(upstream))
+    for number, dy, *pulled in of_outputs:
+        suffix = f" from output {number}" if len(of_outputs) > 1 else ""
+        places = [i for i, gradient in enumerate(pulled[0]) if gradient is not None]
+        wide = [np.array(x, np.float64) if i in places else x for i, x in enumerate(leaves)]
+        y = np.asarray(called.outputs(copies(wide))[0][number])
+        options = {"dy": np.ravel(dy), "here": np.ravel(y), "tolerance": tolerance}
+        options["epsilon"] = float(np.finfo(y.dtype).eps)
+        if any(getattr(array, "dtype", None) == np.float32 for array in (*leaves, y)):
+            options["tolerance"] = max(tolerance, differences.SINGLE_TOLERANCE)
+        in_single = False
+        arrays = [(called.named[i][0], [i], wide[i].shape) for i in places]
+        for name, where, shape in [*arrays, (TOGETHER, places, -1)]:
+            if in_single and name == TOGETHER:
+                options |= {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
+            rows = (np.concatenate([np.ravel(each[i]) for i in where]) for each in (wide, *pulled))
+            x, *changes = (row.reshape(shape) for row in rows)
+            options |= dict(zip(("gradient", "rounding"), changes, strict=True))
+            argument = Argument(name + suffix, called.output_at(wide, where, number), x, **options)
+            if called.chooses(name):
+                yield argument
+            in_single = in_single or argument.is_computed_in_float32()
 
 
 def _judge_together(at: Argument) -> Iterator[Mismatch]:
@@ -323,15 +307,14 @@ def _judge_together(at: Argument) -> Iterator[Mismatch]:
         if verdict.kind == WRONG:
             first = "where equal entries move by equal amounts, the gradients do not give the slope"
             last = "is a gradient given to each of several equal entries?"
-            yield Mismatch(
-                mismatch.SLOPE, "the gradients together", _both_numbers(first, verdict, last)
-            )
+            text = _both_numbers(first, verdict, last)
+            yield Mismatch(calling.SLOPE, "the gradients together", text)
             return
 
 
 def _both_numbers(first: str, verdict: Verdict, *others: str) -> str:
     """What is wrong, the pullback's number and that of differences."""
-    numbers = written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
+    numbers = calling.written_apart(verdict.analytic + 0, verdict.numeric + 0, 10)
     by_pullback = f"by the pullback                      {numbers[0]}"
     by_differences = f"by central differences of the value  {numbers[1]}"
     return "\n    ".join([first, by_pullback, by_differences, *others])
@@ -340,7 +323,7 @@ def _both_numbers(first: str, verdict: Verdict, *others: str) -> str:
 def _require_untouched(name: str, array: object, before: object) -> None:
     if isinstance(array, np.ndarray) and not np.array_equal(array, before, equal_nan=True):
         text = f"{name} was altered: an operation never changes its arguments"
-        raise Mismatch(mismatch.ALTERED, name, text)
+        raise Mismatch(calling.ALTERED, name, text)
 
 
 def _require_same(problem: str, first: Sequence, second: Sequence, size: float = 0.0) -> None:
@@ -353,13 +336,12 @@ def _require_same(problem: str, first: Sequence, second: Sequence, size: float =
     largest = np.max(np.abs(one), initial=0.0, where=np.isfinite(one))
     allowed = np.finfo(one.dtype).eps * (1000 * largest + 16 * size)
     if one.shape != other.shape or not np.allclose(one, other, 0, allowed, equal_nan=True):
-        raise Mismatch(mismatch.REPEATED, problem, problem)
+        raise Mismatch(calling.REPEATED, problem, problem)
 
 
-def _judge(
-    at: Argument, directions: list, rng: np.random.Generator, kinks_excused: float
-) -> Iterator[Mismatch]:
+def _judge(at: Argument, rng: np.random.Generator, kinks_excused: float) -> Iterator[Mismatch]:
     """Judge each direction; say where the numbers disagree most."""
+    directions = list(_directions(at, rng))
     tried = len(directions)
     of_what = "entries" if at.x.size <= EVERY_ENTRY_UP_TO else "random directions"
     wrong, kinks, undecided = _judged(at, directions)
@@ -375,12 +357,10 @@ def _judge(
             yield _wrong_slope(at, index, verdict, f"{len(wrong)} of {tried} {of_what}")
     elif len(kinks) > max(1, int(kinks_excused * tried)):
         index, verdict = _trace(at, *kinks[0])
-        text = (
-            f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {tried} "
-            f"entries, such as {index}: its two slopes differ by {abs(verdict.jump):.6g}\n"
-            "    too many to be excused: choose inputs away from kinks"
-        )
-        yield Mismatch(differences.KINK, at.name, text)
+        text = f"{at.name}, shape {at.x.shape}, has a kink in {len(kinks)} of {tried} entries"
+        slopes = f"such as {index}: its two slopes differ by {abs(verdict.jump):.6g}"
+        advice = "too many to be excused: choose inputs away from kinks"
+        yield Mismatch(differences.KINK, at.name, f"{text}, {slopes}\n    {advice}")
     elif kinks_excused < 1 and 2 * len(undecided) > tried:
         text = f"the gradient for {at.name}, shape {at.x.shape}, is undecided in {len(undecided)}"
         why = "differences of the value scatter too much: choose other inputs"
@@ -394,10 +374,10 @@ def _wrong_slope(at: Argument, index: tuple[int, ...], verdict: Verdict, share: 
     if verdict.rates:
         rates = ", ".join(f"{rate:.2f}" for rate in verdict.rates)
         others.append(f"Taylor's remainder falls with the powers {rates} of the step, not 2")
-    if at.dy.size <= WORTH_PRINTING:
-        others.append(f"upstream gradient, flat: {written(at.dy)}")
+    if at.dy.size <= calling.WORTH_PRINTING:
+        others.append(f"upstream gradient, flat: {calling.written(at.dy)}")
     first = f"{what}, shape {at.x.shape}, is wrong at index {index}"
-    return Mismatch(mismatch.SLOPE, what, _both_numbers(first, verdict, *others))
+    return Mismatch(calling.SLOPE, what, _both_numbers(first, verdict, *others))
 
 
 def _judged(at: Argument, directions: Iterable[np.ndarray]) -> Iterator[list]:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from numpy_cae.verify.checks.mismatch import ALTERED, LONGEST_TEXT
+from numpy_cae.verify.checks.call import ALTERED, LONGEST_TEXT
 from numpy_cae.verify.operations import catalogue
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.catalogue import Exercise

@@ -20,7 +20,7 @@ from types import ModuleType
 
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
-from numpy_cae.verify.checks.mismatch import error_text
+from numpy_cae.verify.checks.call import error_text
 from numpy_cae.verify.grading.report import reply_of, tested
 from numpy_cae.verify.grading.submission import read_submission
 from numpy_cae.verify.operations.case import Case

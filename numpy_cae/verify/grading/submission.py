@@ -11,7 +11,7 @@ from warnings import catch_warnings
 
 import numpy as np
 
-from numpy_cae.verify.checks.mismatch import error_text
+from numpy_cae.verify.checks.call import error_text
 
 LARGEST_PROGRAM = 2**20
 """LARGEST_PROGRAM: a Python file may have at most so many bytes."""

@@ -167,10 +167,8 @@ def random_cases(
     of the classes in `together` that the sizes have.
     """
     rng = np.random.default_rng(zlib.crc32(name.encode()))
-    rows = [
-        *_mixed_rows(rng, sizes, count, [size for size in combined if size in sizes]),
-        *_further_rows(sizes, together),
-    ]
+    mixed = _mixed_rows(rng, sizes, count, [size for size in combined if size in sizes])
+    rows = [*mixed, *_further_rows(sizes, together)]
     cases = [Case(tuple(row.items()), int(rng.integers(SEEDS_TRIED, SEEDS))) for row in rows]
     return sorted(cases, key=_entries)
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from numpy_cae.verify.operations.case import ORDINARY, Case
 from numpy_cae.verify.operations.operation import OPERATIONS
-from numpy_cae.verify.operations.patch import right_operation
-from numpy_cae.verify.operations.property import Property, right_results
+from numpy_cae.verify.operations.property import THE_UPSTREAM, Property, right_results
 from numpy_cae.verify.operations.shared_properties import LARGEST, own_properties, shared_properties
 
 
@@ -39,8 +38,8 @@ def properties_of_operation(name: str) -> tuple[Property, ...]:
 
 
 CATALOGUE: dict[str, Exercise] = {
-    name: Exercise(name, right_operation(name), properties_of_operation(name))
-    for name in OPERATIONS
+    name: Exercise(name, operation.reference, properties_of_operation(name))
+    for name, operation in OPERATIONS.items()
 }
 
 
@@ -134,10 +133,10 @@ def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int 
     operation = properties[0].definition
     if operation is None:
         return Example(arguments)
-    dy, right = right_results(operation, case, arguments)
+    inputs, right = right_results(operation, case)
     value, *gradients = right.values()
     named = dict(zip(operation.differentiated, gradients, strict=True))
-    return Example(arguments, dy, value, named)
+    return Example(arguments, inputs[THE_UPSTREAM], value, named)
 
 
 def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:

@@ -43,7 +43,6 @@ class Operation:
     alike: Callable = lambda arguments, gradient: gradient  # equal for all right gradients
     seeded_by: str = ""  # what the cases depend on, by default the name
     drawn_by_caller: tuple[str, ...] = ()  # arguments that no property may alter
-    is_single: bool = False  # whether it is tried in float32 only
 
     def value(self, *arguments: object) -> np.ndarray | float:
         """The right value."""
@@ -78,11 +77,6 @@ def tied_layer(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray,
         return dx, dw + of_transpose(dw_tilde), db - dy.sum(axis=(0, 1))
 
     return x_hat, pullback
-
-
-def right_operation(name: str) -> Callable:
-    """The project's own implementation of an operation."""
-    return getattr(ops, name, tied_layer)
 
 
 TABLE = tomllib.loads(Path(__file__).with_name("operations.toml").read_text(encoding="utf-8"))
@@ -247,7 +241,7 @@ def _operation(name: str, row: Mapping) -> Operation:
         arguments,
         tuple(row["differentiated"].split()),
         linear_in=tuple(row.get("linear_in", "").split()),
-        reference=right_operation(name),  # for the code of others; that of ops: by loops
+        reference=getattr(ops, name, tied_layer),  # for the code of others; that of ops: by loops
         saturates=row.get("saturates", False),
         floor=row["floor"] * float(np.finfo(float).eps) if "floor" in row else None,
         without_ties=sizes_of(row.get("without_ties", {})),

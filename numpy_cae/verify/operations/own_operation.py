@@ -111,7 +111,6 @@ def properties_of(
     has_pullback = definition is not None and is_pair(definition(*example.values()))
     options = {"without_ties": SMOOTH, "saturates": True, "seeded_by": f"seed {seed}"}
     options["drawn_by_caller"] = tuple(x for x in values if callable(values[x]))
-    options["is_single"] = dtype is np.float32
     options["reference" if has_pullback else "definition"] = definition
     operation = Operation(name, every, arguments, tuple(differentiable), **options)
     stated = tuple(shared_properties(operation))

@@ -21,12 +21,10 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from numpy_cae.verify.operations.operation import right_operation
+from numpy_cae.verify.operations.operation import OPERATIONS
 
 FOLDER = Path(__file__).parent
 HEADER = re.compile(r"(\w+) \(([\w ]*)\)")
-
-Replacement = tuple[tuple[str, ...], tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -37,13 +35,13 @@ class Patch:
     operation: str
     caught_by: str
     sentence: str
-    replacements: tuple[Replacement, ...]  # of old lines by new ones
+    replacements: tuple[tuple[str, str], ...]  # of old lines by new ones
     calls: tuple["Patch", ...] = ()  # of the operations that it calls
 
     @cache  # noqa: B019 (there are few patches, which live as long as the program)
     def function(self) -> Callable:
         """The changed operation; a ValueError if the patch does not fit the operation's source."""
-        return self.applied_to(right_operation(self.operation))
+        return self.applied_to(OPERATIONS[self.operation].reference)
 
     def applied_to(self, right: Callable) -> Callable:
         """A right function, changed by the patch."""
@@ -53,24 +51,25 @@ class Patch:
         return namespace[self.name]
 
     def source(self, called: str = "suspect", right: Callable | None = None) -> str:
-        """The source of the changed operation, under another name and without its docstring."""
-        lines = self.changed(source_lines(right or right_operation(self.operation)))
-        return "\n".join(lines).replace(f"def {self.operation}(", f"def {called}(", 1)
+        """The source of the changed operation, under another name and without its docstring.
 
-    def changed(self, lines: list[str]) -> list[str]:
-        """The lines of a source with the replacements; a ValueError if they do not fit."""
+        A ValueError if the patch does not fit.
+        """
+        text = source_of(right or OPERATIONS[self.operation].reference)
         for old, new in self.replacements:
-            lines = _replaced(lines, old, new, self.name)
-        return lines
+            lines = r"\n *".join(re.escape(line.strip()) for line in old.splitlines())
+            places = [*re.finditer(rf"^( *){lines}$", text, re.MULTILINE)]
+            if len(places) != 1:
+                raise ValueError(f"{self.name}: found {len(places)} times, expected once: {old}")
+            (place,) = places
+            text = text[: place.start()] + textwrap.indent(new, place[1]) + text[place.end() :]
+        return text.replace(f"def {self.operation}(", f"def {called}(", 1)
 
 
 def read_patches(folder: Path) -> tuple[Patch, ...]:
     """The patches in the text files of a folder."""
-    return tuple(
-        patch
-        for path in sorted(folder.glob("*.txt"))
-        for patch in patches_in(path.read_text("utf-8"), path.stem)
-    )
+    paths = sorted(folder.glob("*.txt"))
+    return tuple(p for path in paths for p in patches_in(path.read_text("utf-8"), path.stem))
 
 
 def patches_in(text: str, operation: str) -> Iterator[Patch]:
@@ -81,34 +80,24 @@ def patches_in(text: str, operation: str) -> Iterator[Patch]:
         text = textwrap.dedent(text)
         sentence = " ".join(re.findall(r"^[^-+].*", text, re.M))
         pairs = re.findall(r"((?:^-.*\n)+)((?:^\+.*\n?)+)", text + "\n", re.M)
-        replacements = tuple((_lines(old, strip=True), _lines(new)) for old, new in pairs)
+        replacements = tuple((_unmarked(old), _unmarked(new)) for old, new in pairs)
         yield Patch(name, operation, caught_by, sentence, replacements)
 
 
-def _lines(marked: str, strip: bool = False) -> tuple[str, ...]:
-    lines = (line[2:] for line in marked.splitlines())
-    return tuple(line.strip() if strip else line for line in lines)
+def _unmarked(lines: str) -> str:
+    return re.sub("^[-+] ?", "", lines.rstrip("\n"), flags=re.M)
 
 
 @cache
-def source_lines(function: Callable) -> list[str]:
+def source_of(function: Callable) -> str:
     """The source of a function, without its docstring and comments."""
     source = inspect.getsource(function)
     (function,) = ast.parse(source).body
     lines = source.splitlines()
     docstring = function.body[0]
     kept = lines[: docstring.lineno - 1] + lines[docstring.end_lineno :]
-    return [line.partition("  # ")[0] for line in kept if not line.strip().startswith("#")]
-
-
-def _replaced(lines: list[str], old: tuple[str, ...], new: tuple[str, ...], name: str) -> list[str]:
-    stripped = tuple(line.strip() for line in lines)
-    places = [i for i in range(len(lines)) if stripped[i : i + len(old)] == old]
-    if len(places) != 1:
-        raise ValueError(f"{name}: found {len(places)} times, expected once: {' / '.join(old)}")
-    place = places[0]
-    indent = lines[place][: len(lines[place]) - len(stripped[place])]
-    return [*lines[:place], *(indent + line for line in new), *lines[place + len(old) :]]
+    code = (line.partition("  # ")[0] for line in kept if not line.strip().startswith("#"))
+    return "\n".join(code)
 
 
 BUGS = read_patches(FOLDER / "planted_bugs")

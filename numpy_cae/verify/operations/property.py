@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.verify.checks import mismatch
-from numpy_cae.verify.checks.call import gradients_of, require_array, require_shape
+from numpy_cae.verify.checks import call as calling
+from numpy_cae.verify.checks.call import ALTERED, NUMBER, Mismatch
 from numpy_cae.verify.checks.differences import is_of_float32
-from numpy_cae.verify.checks.mismatch import ALTERED, NUMBER, Mismatch
 from numpy_cae.verify.operations.case import LAYOUTS, ORDINARY, Case, Sizes, random_cases, spread
 from numpy_cae.verify.operations.operation import Operation
 
@@ -23,12 +22,28 @@ SINGLE_EXACT = 1e-3
 """SINGLE_EXACT: the same for operations of one's own that are tried or compute in float32 only."""
 EXAMPLES = 24
 """EXAMPLES: a property that does not set `examples` is tried on at least so many cases."""
+
+
+def _single_entry(rng: np.random.Generator, dy: np.ndarray) -> np.ndarray:
+    return np.where(np.arange(dy.size).reshape(dy.shape) == rng.integers(dy.size), dy, 0.0)
+
+
 NUMBERS = {"zeros": 0, "integers": -3, "random": 0.7, "sparse": 0.0, "strided": 1.7}
 NUMBERS |= {"constant": 1, "large": 1e3, "tiny": 1e-5}
+ARRAYS: dict[object, Callable[[np.random.Generator, np.ndarray], np.ndarray]] = {
+    "integers": lambda rng, dy: rng.choice([-3.0, 1.0, 2.0], dy.shape),
+    "random": lambda rng, dy: rng.uniform(-8, 8, dy.shape),
+    "sparse": _single_entry,
+    "strided": lambda rng, dy: LAYOUTS["every other entry"](dy),
+    "constant": lambda rng, dy: np.broadcast_to(2.0, dy.shape),
+}
+"""NUMBERS, ARRAYS: upstream gradients by class, of a number and of an array of ordinary entries."""
 VALUE = 0
 GRADIENT = 1
 REST = 2
 """VALUE, GRADIENT, REST: what a property is about; a report gives points in this order."""
+THE_UPSTREAM = "the upstream gradient"
+"""THE_UPSTREAM: its name among the inputs of a call, where it follows the arguments."""
 UPSTREAM = {"upstream": (ORDINARY, *NUMBERS)}
 """Upstream gradients: one class of arrays, or of scalars if the value is a scalar."""
 
@@ -56,8 +71,8 @@ class Comparison:
 
     def __call__(self, implementation: Callable, case: Case) -> None:
         for pair in self.pairs(self.operation, implementation, case):
-            is_coarse = self.operation.seeded_by and is_of_float32(pair.result)
-            if (self.operation.is_single or is_coarse) and pair.tolerance:
+            in_single = np.asarray(pair.expected).dtype == np.float32 or is_of_float32(pair.result)
+            if self.operation.seeded_by and in_single and pair.tolerance:
                 pair = pair._replace(tolerance=max(pair.tolerance, SINGLE_EXACT))
             require_equal(*pair)
 
@@ -69,7 +84,7 @@ class Comparison:
                 for pair in self.pairs(self.operation, implementation, case):
                     seen.append(np.copy(pair.result))
         except (Exception, SystemExit) as error:
-            seen.append(np.array(mismatch.what_failed(error)))
+            seen.append(np.array(calling.what_failed(error)))
         return seen
 
 
@@ -160,12 +175,15 @@ def require_equal(*pair: object) -> None:
     """Raise a Mismatch unless the two arrays of a `Pair` agree, to rounding, in every entry.
 
     The tolerance is relative to the largest entry. With a floor, the tolerance is relative to
-    each entry, plus the floor.
+    each entry, plus the floor. Entries that should not be finite are left out.
     """
     what, result, expected, tolerance, floor, kind = Pair(*pair)
     result = np.asarray(result)
     expected = np.asarray(expected)
-    require_shape(what, result, expected.shape)
+    calling.require_shape(what, result, expected.shape)
+    finite = np.isfinite(expected)
+    result = np.where(finite, result, 0)
+    expected = np.where(finite, expected, 0)
     size = np.abs(expected)
     if floor is None:
         allowed = tolerance * max(1.0, float(np.max(size, initial=0.0)))
@@ -178,55 +196,54 @@ def require_equal(*pair: object) -> None:
         place = f" at index {index}" if index else ""
         least = float(np.broadcast_to(allowed, off.shape)[index])  # what is smaller is rounding
         pair = (float(array[index]) for array in (result, expected))
-        one, other = mismatch.written_apart(*(0.0 if abs(v) <= least else v for v in pair), 10)
+        one, other = calling.written_apart(*(0.0 if abs(v) <= least else v for v in pair), 10)
         text = f"{what} is {one}{place}, expected {other}"
         raise Mismatch(kind, what, text, result, expected)
 
 
 def agrees(result, expected) -> bool:
-    """Whether `require_equal` holds."""
-    try:
-        require_equal("", result, expected)
-    except AssertionError:
-        return False
-    return True
+    """Whether two arrays agree, to rounding of the largest entry that is expected."""
+    allowed = EXACT * max(1.0, float(np.max(np.abs(expected), initial=0.0)))
+    return np.shape(result) == np.shape(expected) and np.allclose(result, expected, 0, allowed)
 
 
-def differentiated(operation: Operation, pulled) -> dict[str, np.ndarray]:
-    """The gradients that a pullback returned, by argument."""
-    gradients = gradients_of(pulled, len(operation.differentiated))
+def by_name(operation: Operation, value, pulled) -> dict[str, np.ndarray]:
+    """A value and the gradients that its pullback returned, by name."""
+    gradients = calling.gradients_of(pulled, len(operation.differentiated))
     if len(gradients) == 1 and isinstance(pulled, tuple | list):
         text = "return the one gradient itself, not a tuple that contains it"
-        raise Mismatch(mismatch.COUNT, "the pullback", text)
+        raise Mismatch(calling.COUNT, "the pullback", text)
     if isinstance(pulled, list):
         text = "the pullback returns a list, expected a tuple of gradients"
-        raise Mismatch(mismatch.TYPE, "the pullback", text)
-    named = dict(zip(operation.differentiated, gradients, strict=True))
-    for name, gradient in named.items():
-        require_array(f"the gradient for {name}", gradient)
-    return named
+        raise Mismatch(calling.TYPE, "the pullback", text)
+    names = [f"the gradient for {name}" for name in operation.differentiated]
+    named = dict(zip(names, gradients, strict=True))
+    arrays = named if isinstance(value, float) else {**named, "the value": value}
+    for what, result in arrays.items():
+        calling.require_array(what, result)
+    return {"the value": value, **named}
 
 
-def results(operation: Operation, implementation: Callable, arguments: list, dy) -> dict:
-    """The value and the gradients of one call, by name."""
+def inputs_of(operation: Operation, implementation: Callable, case: Case) -> dict[str, object]:
+    """The arguments of a case, and an upstream gradient for the value that is returned."""
+    arguments = operation.arguments(case)
+    value, _ = implementation(*copies(arguments))
+    return {**arguments, THE_UPSTREAM: drawn_upstream(case, value)}
+
+
+def results(operation: Operation, implementation: Callable, given: list) -> dict:
+    """The value and the gradients of one call, by name; the upstream gradient is given last."""
+    *arguments, dy = given
     value, pullback = implementation(*arguments)
-    return _by_name(operation, value, pullback(dy))
+    return by_name(operation, value, pullback(dy))
 
 
-def right_results(
-    operation: Operation, case: Case, arguments: Mapping[str, object]
-) -> tuple[np.ndarray | float, dict]:
-    """An upstream gradient for a case, and the definition's value and gradients."""
-    value, pullback = operation.reference(*copies(arguments))
-    dy = drawn_upstream(case, value)
-    return dy, _by_name(operation, value, pullback(copied(dy)))
-
-
-def _by_name(operation: Operation, value, pulled) -> dict:
-    gradients = differentiated(operation, pulled)
-    if not isinstance(value, float):
-        require_array("the value", value)
-    return {"the value": value, **{f"the gradient for {n}": g for n, g in gradients.items()}}
+def right_results(operation: Operation, case: Case) -> tuple[dict, dict]:
+    """The inputs of a case, and the definition's value and gradients."""
+    inputs = operation.arguments(case)
+    value, pullback = operation.reference(*copies(inputs))
+    inputs[THE_UPSTREAM] = drawn_upstream(case, value)
+    return inputs, by_name(operation, value, pullback(copied(inputs[THE_UPSTREAM])))
 
 
 def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
@@ -234,27 +251,13 @@ def drawn_upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
 
     That of a number is a Python number, which leaves float32 arrays float32.
     """
-    dtype = np.asarray(value).dtype
-    dy = _upstream(case, value)
-    return dy.astype(dtype) if isinstance(dy, np.ndarray) and dtype == np.float32 else dy
-
-
-def _upstream(case: Case, value: np.ndarray) -> np.ndarray | float:
     rng = np.random.default_rng([case.seed, 1])
     kind = case.get("upstream")
-    shape = np.shape(value)
-    if not shape:
+    if not np.shape(value):
         return NUMBERS.get(kind, float(rng.uniform(1.5, 2.5)))
-    dy = spread(rng, shape)
-    if kind == "sparse":
-        return np.where(np.arange(dy.size).reshape(shape) == rng.integers(dy.size), dy, 0.0)
-    if kind == "integers":
-        return rng.choice([-3.0, 1.0, 2.0], shape)
-    if kind == "random":
-        return rng.uniform(-8, 8, shape)
-    if kind == "strided":
-        return LAYOUTS["every other entry"](dy)
-    return np.broadcast_to(2.0, shape) if kind == "constant" else dy * NUMBERS.get(kind, 1)
+    change = ARRAYS.get(kind, lambda rng, dy: dy * NUMBERS.get(kind, 1))
+    dy = change(rng, spread(rng, np.shape(value)))
+    return dy.astype(np.float32) if np.asarray(value).dtype == np.float32 else dy
 
 
 def copied(dy: np.ndarray | float) -> np.ndarray | float:
@@ -271,28 +274,26 @@ def copies(arguments: Mapping[str, object], layout: Callable = np.ndarray.copy) 
     return [made.get(id(a), a) for a in arguments.values()]
 
 
-def rounding(case: Case, arguments: Mapping[str, object]) -> float:
+def rounding(case: Case, inputs: Mapping[str, object]) -> float:
     """The tolerance: EXACT, or more with a huge state, which multiplies the rounding of 1 - z.
 
     With a bound near 1 it is more as well: y² is rounded before it is subtracted from 1.
     """
     huge = case.get("state") == "huge"
-    largest = max(np.max(np.abs(array)) for array in arguments.values()) if huge else 1.0
-    bound = arguments.get("bound", 0.0)
+    largest = max(np.max(np.abs(array)) for array in [*inputs.values()][:-1]) if huge else 1.0
+    bound = inputs.get("bound", 0.0)
     return max(EXACT * largest, 8 * np.finfo(float).eps / (1 - bound))
 
 
 def compared(operation: Operation, implementation: Callable, case: Case) -> Pairs:
     """Compare all results with the definition's, and the arguments with their copies."""
-    arguments = operation.arguments(case)
-    given = copies(arguments)
-    dy, right = right_results(operation, case, arguments)
-    upstream = copied(dy)
-    allowed = rounding(case, arguments)
-    for what, result in results(operation, implementation, given, upstream).items():
-        both = (operation.alike(arguments, one) for one in (result, right[what]))
-        yield Pair(what, *both, allowed, operation.floor_of(dy))
-    yield from unaltered([*given, upstream], {**arguments, "the upstream gradient": dy})
+    inputs, right = right_results(operation, case)
+    given = copies(inputs)
+    allowed = rounding(case, inputs)
+    for what, result in results(operation, implementation, given).items():
+        both = (operation.alike(inputs, one) for one in (result, right[what]))
+        yield Pair(what, *both, allowed, operation.floor_of(inputs[THE_UPSTREAM]))
+    yield from unaltered(given, inputs)
 
 
 def unaltered(given: Iterable, before: Mapping[str, object], by: str = "function") -> Pairs:

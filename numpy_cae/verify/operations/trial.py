@@ -10,15 +10,15 @@ the cases that fail have in common.
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from functools import partial
 from itertools import permutations, zip_longest
 from operator import itemgetter
 
 import numpy as np
 
-from numpy_cae.verify.checks import mismatch
-from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.checks.mismatch import ALTERED, DTYPE, OVERWRITTEN, what_failed, written
+from numpy_cae.verify.checks import call as calling
+from numpy_cae.verify.checks.call import ALTERED, DTYPE, OVERWRITTEN, is_pair, what_failed, written
 from numpy_cae.verify.operations import property as comparing
 from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
 from numpy_cae.verify.operations.catalogue import example_call
@@ -44,28 +44,25 @@ MOST = 0.6
 """MOST: a circumstance is named if at least so large a part of its cases fail, and no others."""
 
 
-@dataclass
-class Recorder:
-    """An implementation that records its last call, and what the pullbacks were given since."""
+def recorded(implementation: Callable, last: list) -> Callable:
+    """The implementation; `last` holds the arguments of its last call or of the last pullback that
+    was called, and what the pullbacks were given since that call.
+    """
 
-    implementation: Callable
-    arguments: tuple | None = None
-    upstreams: list = field(default_factory=list)
-
-    def __call__(self, *arguments):
+    def called(*arguments):
         given = deepcopy(arguments)
-        self.arguments = given
-        self.upstreams = []
-        returned = self.implementation(*arguments)
+        last[:] = [given]
+        returned = implementation(*arguments)
         if not is_pair(returned):
             return returned
 
-        def recorded_pullback(*upstream):
-            self.arguments = given
-            self.upstreams += deepcopy(upstream)
+        def pullback(*upstream):
+            last[:] = [given, *last[1:], *deepcopy(upstream)]
             return returned[1](*upstream)
 
-        return returned[0], recorded_pullback
+        return returned[0], pullback
+
+    return called
 
 
 def try_property(
@@ -82,18 +79,17 @@ def try_property(
     case = failing_case(tried, implementation, begin)
     if case is None:
         return Outcome(tried, held=True)
-    last = Recorder(implementation)
-    error = failure(tried, last, case)
+    last: list = []
+    error = failure(tried, recorded(implementation, last), case)
     if error is not None and shrink and not isinstance(error, NotImplementedError):
         case = _smallest(tried, implementation, case, what_failed(error))
-        error = failure(tried, last, case)
-    failed = Outcome(tried, False, UNSTEADY, str(case))
+        error = failure(tried, recorded(implementation, last), case)
     if error is None:
-        return failed
+        return Outcome(tried, False, UNSTEADY, str(case))
     kind, _ = what_failed(error)
     crashed = not isinstance(error, AssertionError)
-    of_crash = mismatch.error_text(error, mismatch.file_of(implementation))
-    problem = of_crash if crashed else str(error)[: mismatch.LONGEST_TEXT]
+    of_crash = calling.error_text(error, calling.file_of(implementation))
+    problem = of_crash if crashed else str(error)[: calling.LONGEST_TEXT]
     if isinstance(error, RecursionError | MemoryError):
         problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
     is_like_bugs = isinstance(error, AssertionError | ValueError | IndexError)
@@ -101,13 +97,10 @@ def try_property(
     mistake = likely_mistake(tried, implementation, of_kind) if is_like_bugs else of_kind
     mistake = mistake or of_kind or C_ORDER * (tried.name == "strides" and not crashed)
     example = "\n".join(_described(tried, case, last, error))
-    why = {"problem": problem, "counterexample": example, "mistake": mistake, "kind": kind}
-    return replace(failed, **why, crashed=crashed)
+    return Outcome(tried, False, problem, example, mistake, kind, crashed)
 
 
-def _smallest(
-    tried: Property, implementation: Callable, case: Case, failed: tuple[str, str]
-) -> Case:
+def _smallest(tried: Property, implementation: Callable, case: Case, failed: tuple) -> Case:
     """A case that fails in the same way; making any one size or class simpler would pass."""
     count = 0
     while count < MAX_SHRINKS:
@@ -171,26 +164,26 @@ def check_property(stated: Property, function: Callable, crashes: set[str] | Non
         raise AssertionError("\n".join(filter(None, message)))
 
 
-def _described(tried: Property, case: Case, last: Recorder, error: BaseException) -> Iterator[str]:
+def _described(tried: Property, case: Case, last: list, error: BaseException) -> Iterator[str]:
     """The arguments of the last call, and what it should return; or the call of `example`."""
     shown = tried.arguments(case)
-    upstreams = last.upstreams
+    arguments, *upstreams = last or [()]
     if set(shown) == {"seed"}:  # what the function is tried with is not drawn
         return
     names = ("dy", "dy'", "2 dy - 3 dy'")
-    if last.arguments is not None and len(last.arguments) == len(shown):
-        shown = dict(zip(shown, last.arguments, strict=True))
+    if len(arguments) == len(shown):
+        shown = dict(zip(shown, arguments, strict=True))
         if tried.name == "linearity" and len(upstreams) == len(names):
             shown |= dict(zip(names, upstreams, strict=True))
         elif upstreams:
             shown["upstream gradient"] = upstreams[-1]
     yield str(case)
     lines = [f"{name} = {written(argument)}" for name, argument in shown.items()]
-    is_short = sum(map(len, lines)) <= mismatch.LONGEST_ARGUMENTS
+    is_short = sum(map(len, lines)) <= calling.LONGEST_ARGUMENTS
     yield from lines if is_short else [example_call(tried, case)]
     result = getattr(error, "result", None)
-    if result is not None and result.size <= mismatch.WORTH_PRINTING:
-        result, right = mismatch.written_apart(result, error.expected)
+    if result is not None and result.size <= calling.WORTH_PRINTING:
+        result, right = calling.written_apart(result, error.expected)
         yield f"{error.subject.removeprefix('the ')}: {result}"
         yield f"  expected: {right}"
 
@@ -212,7 +205,7 @@ def likely_mistake(stated: Property, implementation: Callable, of_kind: str = ""
     if sum(fails) < SEVERAL:
         return ""
     return (
-        _known_mistake(stated, operation, implementation, cases, results)
+        _known_mistake(stated, implementation, cases, results)
         or misplaced_gradient(stated, operation, implementation)
         or of_kind
         or _by_how_much(cases, results, right)
@@ -224,36 +217,30 @@ def misplaced_gradient(stated: Property, operation: Operation, implementation: C
     """Where the right gradient stands among those that the pullback returns, or ""."""
     names = operation.differentiated
     name = stated.name.removeprefix("gradient for ")
-    if name not in names or len(names) < 2:
-        return ""
-    for place, other in enumerate(names):
-        moved = _moved(implementation, place, names.index(name), len(names))
-        if other != name and failing_case(stated, moved) is None:
+
+    def exchanged(other: str, *arguments):
+        """The implementation, whose gradient for `name` is exchanged with another one."""
+        value, pullback = implementation(*arguments)
+        order = [names.index({name: other, other: name}.get(each, each)) for each in names]
+        return value, lambda *upstream: itemgetter(*order)(pullback(*upstream))
+
+    for other in names if name in names else ():
+        if other != name and failing_case(stated, partial(exchanged, other)) is None:
             order = ", ".join(names)
             return f"The gradient for {name} is returned as that for {other}: the order is {order}."
     return ""
 
 
-def _moved(implementation: Callable, old: int, new: int, count: int) -> Callable:
-    """The implementation with two of its gradients exchanged."""
-    order = [{old: new, new: old}.get(place, place) for place in range(count)]
-
-    def moved(*arguments):
-        value, pullback = implementation(*arguments)
-        return value, lambda *upstream: itemgetter(*order)(pullback(*upstream))
-
-    return moved
-
-
-def _known_mistake(
-    stated: Property, operation: Operation, implementation: Callable, cases: list, results: list
-) -> str:
+def _known_mistake(stated: Property, implementation: Callable, cases: list, results: list) -> str:
     """The sentence on the planted bug that does the same, or ""."""
+    operation = stated.check.operation
     explained = {"": -1}
-    for sentence, wrong in _wrong_operations(operation.name):
+    for patch in (*bugs_of(operation.name), *conventions_of(operation.name)):
+        wrong = patch.function()
         pairs = zip(results, cases, strict=True)
         if all(same(one, stated.check.results(wrong, case)) for one, case in pairs):
-            explained[sentence] = _shared_effects(operation, implementation, wrong)
+            kind = "" if patch.caught_by else "another convention, which may be allowed: "
+            explained[kind + patch.sentence] = _shared_effects(operation, implementation, wrong)
     return max(explained, key=explained.__getitem__)
 
 
@@ -309,12 +296,6 @@ def _row(parts: Sequence[np.ndarray]) -> np.ndarray:
 
 def _numbers(case: Case) -> dict[str, int]:
     return {name: size for name, size in case.sizes if isinstance(size, int)}
-
-
-def _wrong_operations(name: str) -> Iterator[tuple[str, Callable]]:
-    for patch in (*bugs_of(name), *conventions_of(name)):
-        kind = "" if patch.caught_by else "another convention, which may be allowed: "
-        yield kind + patch.sentence, patch.function()
 
 
 def _shared_effects(operation: Operation, implementation: Callable, wrong: Callable) -> int:
