@@ -34,7 +34,7 @@ from numpy_cae.verify.grading.sandbox import do_apart, reply_to
 for line in sys.stdin:
     folder, request = json.loads(line)
     os.chdir(folder)
-    print(json.dumps(do_apart(lambda tell: tell(**reply_to(request)), 1000.0)), flush=True)
+    print(json.dumps(do_apart(lambda send: send(**reply_to(request)), 1000.0)), flush=True)
 """
 
 

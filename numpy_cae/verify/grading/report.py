@@ -235,10 +235,10 @@ def report_of(exercise: Exercise, reply: dict) -> Report:
     outcomes: list[Outcome] = []
     try:
         problem = readable(reply["failed"])
-        told = reply.get("outcomes", ()) if problem else reply["outcomes"]
+        sent = reply.get("outcomes", ()) if problem else reply["outcomes"]
         outcomes = [
             Outcome(stated, one["held"] is True, *(readable(one[name]) for name in TEXTS))
-            for stated, one in zip(exercise.properties, told, strict=not problem)
+            for stated, one in zip(exercise.properties, sent, strict=not problem)
         ]
         if "trying" in reply and problem:
             problem += f"\nit was tried with {readable(reply['trying'])}; smaller cases were right"

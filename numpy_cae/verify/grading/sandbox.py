@@ -69,67 +69,67 @@ def reply_to(request: dict) -> dict:
     given = {name: catalogue[name].solution for name in request["given"]}
     instead: dict[str, Callable] = {}  # solutions in place of functions that do not hold
 
-    def names(tell: Callable) -> None:
+    def names(send: Callable) -> None:
         functions, problems = submission.run(given, {})
         defined = [name for name in request["wanted"] if name in functions]
-        tell(defined=defined, problems=problems)
+        send(defined=defined, problems=problems)
 
-    def outcomes(name: str, tell: Callable) -> None:
+    def outcomes(name: str, send: Callable) -> None:
         def begin(outcomes: Sequence[Outcome], case: Case) -> None:
-            tell(**reply_of(outcomes), trying=str(case))
+            send(**reply_of(outcomes), trying=str(case))
 
         functions, _ = submission.run(given, instead)
-        tell(**reply_of(tested(catalogue[name], functions[name], begin)))
+        send(**reply_of(tested(catalogue[name], functions[name], begin)))
 
     reply = {"defined": (), "problems": [], **confined(names, request)}
     results: dict[str, dict] = {}
     for name in request["wanted"]:
         is_right = False
         if name in reply["defined"]:
-            told = results[name] = confined(partial(outcomes, name), request)
-            is_right = not told["failed"] and all(one["held"] for one in told["outcomes"])
+            sent = results[name] = confined(partial(outcomes, name), request)
+            is_right = not sent["failed"] and all(one["held"] for one in sent["outcomes"])
         if name in request["replaced"] and not is_right:
             instead[name] = catalogue[name].solution
     return {**reply, "results": results}
 
 
 def confined(work: Callable[[Callable], None], request: dict) -> dict:
-    """What work tells in a confined process, which may be idle as long as it may work."""
+    """What work sends in a confined process, which may be idle as long as it may work."""
 
-    def limited(tell: Callable) -> None:
+    def limited(send: Callable) -> None:
         kept = confine(request["seconds"], request["megabytes"], Path.cwd())
         try:
-            work(tell)
-            tell(failed="")
+            work(send)
+            send(failed="")
         except BaseException as error:  # such as KeyboardInterrupt
-            tell(failed=error_text(error))
+            send(failed=error_text(error))
         del kept
 
-    told = do_apart(limited, 2 * request["seconds"])
+    sent = do_apart(limited, 2 * request["seconds"])
     end_children()  # such as a process that left the group which do_apart kills
-    return told
+    return sent
 
 
 def do_apart(work: Callable[[Callable], None], seconds: float) -> dict:
-    """What `work` tells in a forked process; without fork (Windows), in this one.
+    """What `work` sends in a forked process; without fork (Windows), in this one.
 
-    It gets a function `tell` whose keywords are added to what it told before. They go through a
+    It gets a function `send` whose keywords are added to what it sent before. They go through a
     file in the current folder, so they must be what JSON can hold. If the process ends before it
-    tells what `failed`, does not end within so many seconds or fills the folder, `failed` says so.
+    says what `failed`, does not end within so many seconds or fills the folder, `failed` says so.
 
     Time in which the process waits for a processor does not count, so that the result does not
     depend on what else the machine does.
     """
-    told: dict = {"failed": CRASHED}
+    sent: dict = {"failed": CRASHED}
     if not hasattr(os, "fork"):
-        work(told.update)
-        return told
+        work(sent.update)
+        return sent
     reply = Path(secrets.token_hex(16)).absolute()
 
-    def tell(**more: object) -> None:
-        told.update(more)
+    def send(**more: object) -> None:
+        sent.update(more)
         begun = reply.with_suffix(".new")
-        begun.write_text(json.dumps(told))
+        begun.write_text(json.dumps(sent))
         begun.replace(reply)
 
     process = os.fork()
@@ -137,16 +137,16 @@ def do_apart(work: Callable[[Callable], None], seconds: float) -> dict:
         try:
             os.setsid()
             os.closerange(3, 4096)
-            work(tell)
+            work(send)
         finally:
             os._exit(0)
     fault = _wait(process, seconds, reply.parent)
     with suppress(OSError):
         os.killpg(process, signal.SIGKILL)
     with suppress(OSError, ValueError):
-        told = json.loads(reply.read_text())
+        sent = json.loads(reply.read_text())
     reply.unlink(missing_ok=True)
-    return {**told, "failed": fault} if fault else told
+    return {**sent, "failed": fault} if fault else sent
 
 
 def _wait(process: int, seconds: float, folder: Path) -> str:
