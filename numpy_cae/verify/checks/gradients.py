@@ -8,7 +8,7 @@ tuples; `differences` judges one direction.
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -268,33 +268,41 @@ def _times(factors: Sequence[float], dys: Sequence) -> list:
 
 
 def _arguments(called: _Called, upstream: Callable, tolerance: float) -> Iterator[Argument]:
-    """Each array, with its gradient from each output and f as a function of it, in float64.
-
-    The last one of an output, TOGETHER, holds all arrays in one row.
-    """
-    leaves = [leaf for _, leaf in called.named]
+    """Each array, with its gradient from each output and f as a function of it, in float64."""
     of_outputs = list(called.pulled_twice(upstream))
     for number, dy, *pulled in of_outputs:
         suffix = f" from output {number}" if len(of_outputs) > 1 else ""
-        places = [i for i, gradient in enumerate(pulled[0]) if gradient is not None]
-        wide = [np.array(x, np.float64) if i in places else x for i, x in enumerate(leaves)]
-        y = np.asarray(called.outputs(copies(wide))[0][number])
-        options = {"dy": np.ravel(dy), "here": np.ravel(y), "tolerance": tolerance}
-        options["epsilon"] = float(np.finfo(y.dtype).eps)
-        if any(getattr(array, "dtype", None) == np.float32 for array in (*leaves, y)):
-            options["tolerance"] = max(tolerance, differences.SINGLE_TOLERANCE)
-        in_single = False
-        arrays = [(called.named[i][0], [i], wide[i].shape) for i in places]
-        for name, where, shape in [*arrays, (TOGETHER, places, -1)]:
-            if in_single and name == TOGETHER:
-                options |= {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
-            rows = (np.concatenate([np.ravel(each[i]) for i in where]) for each in (wide, *pulled))
-            x, *changes = (row.reshape(shape) for row in rows)
-            options |= dict(zip(("gradient", "rounding"), changes, strict=True))
-            argument = Argument(name + suffix, called.output_at(wide, where, number), x, **options)
-            if called.chooses(name):
-                yield argument
-            in_single = in_single or argument.is_computed_in_float32()
+        for argument in _arguments_of(called, number, dy, pulled, tolerance):
+            yield replace(argument, name=argument.name + suffix)
+
+
+def _arguments_of(
+    called: _Called, number: int, dy: object, pulled: list[list], tolerance: float
+) -> Iterator[Argument]:
+    """The arguments for one output; the last one, TOGETHER, holds all arrays in one row.
+
+    `pulled` are the gradients and what rounding may change of them.
+    """
+    leaves = [leaf for _, leaf in called.named]
+    places = [i for i, gradient in enumerate(pulled[0]) if gradient is not None]
+    wide = [np.array(x, np.float64) if i in places else x for i, x in enumerate(leaves)]
+    y = np.asarray(called.outputs(copies(wide))[0][number])
+    if any(getattr(array, "dtype", None) == np.float32 for array in (*leaves, y)):
+        tolerance = max(tolerance, differences.SINGLE_TOLERANCE)
+    options = {"dy": np.ravel(dy), "here": np.ravel(y), "tolerance": tolerance}
+    options["epsilon"] = float(np.finfo(y.dtype).eps)
+    in_single = False
+    arrays = [(called.named[i][0], [i], wide[i].shape) for i in places]
+    for name, where, shape in [*arrays, (TOGETHER, places, -1)]:
+        if in_single and name == TOGETHER:
+            options |= {"epsilon": SINGLE, "tolerance": differences.SINGLE_TOLERANCE}
+        rows = (np.concatenate([np.ravel(each[i]) for i in where]) for each in (wide, *pulled))
+        x, *changes = (row.reshape(shape) for row in rows)
+        options |= dict(zip(("gradient", "rounding"), changes, strict=True))
+        argument = Argument(name, called.output_at(wide, where, number), x, **options)
+        if called.chooses(name):
+            yield argument
+        in_single = in_single or argument.is_computed_in_float32()
 
 
 def _judge_together(at: Argument) -> Iterator[Mismatch]:
