@@ -138,7 +138,7 @@ def test_clips_prior_and_directions_are_drawn_anew_at_every_step(monkeypatch):
     trained(sequence(epochs=2, steps=30))
     clips, priors, directions, weights = zip(*seen, strict=True)
     for drawn in (clips, priors, directions):
-        assert len({each.tobytes() for each in drawn}) == 60
+        assert len({each.tobytes() for each in drawn}) == 60 and drawn[0].dtype == np.float32
     assert set(weights) == {0.05}
     points = np.concatenate(priors)
     assert len(np.unique(points, axis=0)) == len(points) == 60 * 16
