@@ -22,9 +22,10 @@ from numpy_cae.repair.finding import Finding, confidence
 LONGEST_SPIKE_SECONDS = 0.1
 """LONGEST_SPIKE_SECONDS: a spike lasts at most this time (s), or a frame."""
 SPIKE_METRES_A_SECOND_SQUARED = 60.0
-"""SPIKE_METRES_A_SECOND_SQUARED: a spike deviates by more than the shortest jump (`least_jump`),
-and by more than this acceleration (m/s²) moves a joint in the time of a frame: a hand or foot that
-strikes reaches it."""
+"""SPIKE_METRES_A_SECOND_SQUARED: a spike deviates by more than the shortest jump
+(`curves.least_jump`: 8 cm at 30 frames a second, 5 cm from 38 on), and by more than this
+acceleration (m/s²) moves a joint in the time of a frame, which is more below 28 frames a second: a
+hand or foot that strikes reaches it."""
 NOISE_RATIO = 9.0
 """NOISE_RATIO: a spike deviates by more than this times the noise, which is the median over a
 second of the deviations of single frames."""
