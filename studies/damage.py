@@ -1,6 +1,6 @@
 """Planted damage of eight kinds in the rig of the file, repaired with the mask unknown, with the
-mask given, and by simple methods; and holes of several lengths. `python -m studies clean_motion` has
-motions without damage.
+mask given, and by simple methods; and holes of several lengths. `python -m studies clean_motion`
+has motions without damage.
 
     python -m studies damage --data bandai --test '*_005.bvh'
 
