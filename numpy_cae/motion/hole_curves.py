@@ -18,7 +18,6 @@ the cubic through values and speeds at both ends.
 """
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -40,22 +39,31 @@ times (n,) of a hole between them, to values (n, N, C). Outside the keys the cur
 a fourth argument, 1, `pchip`, `cubic` and `slerp` give the derivative."""
 
 
+def pchip(
+    keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
+) -> np.ndarray:
+    """The monotone cubic of Fritsch and Butland (1984): no overshoot."""
+    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
+
+    return _through_keys(PchipInterpolator, keys, values, times, derivative)
+
+
+def cubic(
+    keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
+) -> np.ndarray:
+    """The cubic spline, with continuous acceleration."""
+    from scipy.interpolate import CubicSpline
+
+    return _through_keys(CubicSpline, keys, values, times, derivative)
+
+
 def _through_keys(
-    interpolator: str, keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
+    interpolator: Callable, keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int
 ) -> np.ndarray:
     """A curve of `scipy.interpolate` through all keys, or a derivative of it."""
-    from scipy import interpolate  # slow to import, and seldom needed
-
     if len(keys) == 1:
         return np.repeat(values, len(times), axis=0)
-    curve = getattr(interpolate, interpolator)(keys, values)
-    return curve(np.clip(times, keys[0], keys[-1]), derivative)
-
-
-pchip: Curve = partial(_through_keys, "PchipInterpolator")
-"""The monotone cubic of Fritsch and Butland (1984): no overshoot."""
-cubic: Curve = partial(_through_keys, "CubicSpline")
-"""The cubic spline, with continuous acceleration."""
+    return interpolator(keys, values)(np.clip(times, keys[0], keys[-1]), derivative)
 
 
 def slerp(
@@ -186,8 +194,6 @@ def over_holes(
     makes vectors of values that are none.
     """
     filled = np.array(values[frames], dtype=np.float64)
-    if chart is _rotation_vectors:  # a rotation that is never known is that of the rest pose
-        filled[:, missing.all(axis=0)] = IDENTITY
     kept = np.zeros(len(values), bool)
     kept[frames] = True
     for hole in _holes(missing, rate):
@@ -200,8 +206,18 @@ def over_holes(
     return filled
 
 
-rotations_over_holes = partial(over_holes, chart=_rotation_vectors)
-"""The same for rotations as quaternions (F, N, 4); see the equation of the module."""
+def rotations_over_holes(
+    rotations: np.ndarray,
+    missing: np.ndarray,
+    rate: float,
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = EVERY,
+) -> np.ndarray:
+    """The same for rotations as quaternions (F, N, 4); see the equation of the module. A rotation
+    that is never known is that of the rest pose."""
+    filled = over_holes(rotations, missing, rate, curve_at, frames, _rotation_vectors)
+    filled[:, missing.all(axis=0)] = IDENTITY
+    return filled
 
 
 def _holes(missing: np.ndarray, rate: float) -> Iterator[_Hole]:
