@@ -92,7 +92,7 @@ def test_only_the_safe_reader_loads_array_files():
     assert loading == {"array_file.py"}
 
 
-MOST_CODE = {"numpy_cae": 14217, "data_synth": 2200, "tests": 8500, "studies": 3600, "tools": 800}
+MOST_CODE = {"numpy_cae": 14229, "data_synth": 2200, "tests": 8500, "studies": 3600, "tools": 800}
 """Lines that hold code; docstrings, comments and blank lines are free. The sum of
 numpy_cae is to reach 14,500, that of studies 3,600."""
 LAYOUT = {
