@@ -153,7 +153,7 @@ class MotionManifold:
             X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
 
         in normalised features. P is the projection, and I is a cubic spline over time, each
-        feature by itself (`manifold.spline.interpolated` has its equation); before the first
+        feature by itself (`manifold.complete.interpolated` has its equation); before the first
         and after the last known value this value is repeated. The
         iteration ends with X_4, or with the first X_{n+1} for which
         ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more step, in which the projection is
