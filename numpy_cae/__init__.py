@@ -7,28 +7,66 @@ Two papers, implemented in NumPy without an automatic differentiation framework:
 - jang2018: Jang and Lee, "Latent Motion Manifold with Sequential Auto-Encoders", SCA 2018 posters.
 
 Start reading in `numpy_cae.ops`; `docs/map.md` lists where each equation of the papers is. The
-functions `load`, `save`, `project`, `fill`, `show` and `learn` are those of `numpy_cae.public`, and
-`numpy_cae.repair` is a package that can be called. All are imported when they are first used.
+functions listed in `__all__` are defined in `numpy_cae.public`. Functions and packages are imported
+when they are first used.
 """
 
 from importlib import import_module as _import_module
-from pkgutil import iter_modules as _iter_modules
+from typing import TYPE_CHECKING
 
 from numpy_cae import notebook as _notebook
 
+if TYPE_CHECKING:  # so that editors and type checkers know the names of __getattr__
+    from numpy_cae import (
+        cleanup,
+        course,
+        evaluation,
+        fast,
+        manifold,
+        mocap,
+        models,
+        motion,
+        ops,
+        training,
+        verify,
+        viz,
+    )
+    from numpy_cae.public import fill, learn, load, project, repair, save, show
+
 __version__ = "0.4.0"
-__all__ = ["fill", "learn", "load", "project", "repair", "save", "show"]
+__all__ = [
+    "__version__",
+    "cleanup",
+    "course",
+    "evaluation",
+    "fast",
+    "fill",
+    "learn",
+    "load",
+    "manifold",
+    "mocap",
+    "models",
+    "motion",
+    "ops",
+    "project",
+    "repair",
+    "save",
+    "show",
+    "training",
+    "verify",
+    "viz",
+]
+_FUNCTIONS = ("fill", "learn", "load", "project", "repair", "save", "show")
 
 _notebook.register()
 
 
 def __dir__() -> list[str]:
-    packages = [name for _, name, is_package in _iter_modules(__path__) if is_package]
-    return sorted({*__all__, *packages, "__version__"})
+    return __all__
 
 
 def __getattr__(name: str) -> object:
-    if name in __all__ and name != "repair":
+    if name in _FUNCTIONS:
         return getattr(_import_module("numpy_cae.public"), name)
     try:
         return _import_module(f"numpy_cae.{name}")

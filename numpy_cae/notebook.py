@@ -10,7 +10,7 @@ def register() -> None:
     if ipython.shell():
         html = ipython.shell().display_formatter.formatters["text/html"]
         html.for_type_by_name("numpy_cae.motion.motion", "Motion", motion_html)
-        html.for_type_by_name("numpy_cae.repair.repaired", "Repaired", repaired_html)
+        html.for_type_by_name("numpy_cae.cleanup.repaired", "Repaired", repaired_html)
 
 
 def motion_html(motion) -> str:

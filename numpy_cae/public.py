@@ -1,7 +1,7 @@
-"""The functions of `import numpy_cae`: load, save, project, fill, show and learn, for motions.
+"""The functions of `import numpy_cae`: load, save, repair, fill, project, show and learn.
 
-`numpy_cae.repair` is the package of that name, which can be called. Everything can be done with
-more options in `numpy_cae.mocap`, `numpy_cae.manifold`, `numpy_cae.repair` and `numpy_cae.viz`.
+Everything can be done with more options in `numpy_cae.mocap`, `numpy_cae.manifold`,
+`numpy_cae.cleanup` and `numpy_cae.viz`.
 """
 
 import tempfile
@@ -9,7 +9,11 @@ import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from numpy_cae import ipython, training, viz
+from numpy_cae.cleanup import Finding, Preset, Repaired, fill_motion, repair_motion
+from numpy_cae.cleanup import project_motion as project
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap import load_motion as load
@@ -18,11 +22,51 @@ from numpy_cae.mocap.bodies import Problem, read_body, read_each
 from numpy_cae.mocap.rigs.recognise import joint_index, rig_of
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.repair import Finding, Repaired, fill_motion
-from numpy_cae.repair import project_motion as project
 from numpy_cae.viz.viewer import Player
 
-__all__ = ["fill", "learn", "load", "project", "save", "show"]
+__all__ = ["fill", "learn", "load", "project", "repair", "save", "show"]
+
+
+def repair(
+    motion: Motion,
+    manifold: MotionManifold | None = None,
+    damaged: np.ndarray | None = None,
+    preset: Preset | None = None,
+    findings: Sequence[Finding] | None = None,
+) -> Repaired:
+    """Find what is damaged in a motion and mend it; the rest of the motion is unchanged.
+
+    Parameters
+    ----------
+    motion : Motion
+        As `load` returns it.
+    manifold : MotionManifold, optional
+        As `learn` returns it; the starter model of the package where None.
+    damaged : (frames, 20) array of bool, optional
+        In the frames of the file: only this is repaired, and nothing is looked for.
+    preset : Preset, optional
+        Which steps are taken; `Preset()` by default.
+    findings : sequence of Finding, optional
+        Only these are mended, whatever their confidence.
+
+    Returns
+    -------
+    Repaired
+        Its `motion` is the repaired one. Printed, it names the joints, frames and centimetres.
+
+    Examples
+    --------
+    >>> import numpy_cae
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.rotations[30, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
+    >>> numpy_cae.repair(motion)  # doctest: +NORMALIZE_WHITESPACE
+    left_wrist: frame 30: moved 27.9 cm, at most 27.9
+    1 finding:
+      1. left_elbow: frame 30: spike (73° from the frames before and after):
+        27.9 cm, confidence 0.94
+    """
+    return repair_motion(motion, manifold or starter(), damaged, preset, findings)
 
 
 def fill(

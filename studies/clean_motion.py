@@ -19,12 +19,12 @@ from pathlib import Path
 import numpy as np
 
 from data_synth import make_take
+from numpy_cae.cleanup import repair_motion
+from numpy_cae.cleanup.interpolated import missing_joints
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.motion import Motion
 from numpy_cae.motion.masks import with_margin
-from numpy_cae.repair import repair
-from numpy_cae.repair.interpolated import missing_joints
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased
 from studies.shared.result import Result, Table
 
@@ -51,7 +51,7 @@ def run(manifold: MotionManifold, folders: Sequence[Path], every: int = 8, seed:
     for source, number, motion in _takes(folders, every):
         for rate, take in at_rates(motion):
             for size in SIZES:
-                repaired = repair(scaled(take, size), manifold)
+                repaired = repair_motion(scaled(take, size), manifold)
                 name = f"{source}, {rate:g} Hz, size {size:g}"
                 clean[name].append(repaired.moved.max(initial=0.0) / size)
             rng = np.random.default_rng([seed, number])
@@ -112,7 +112,7 @@ def judged(
     if kind in EASED:
         damaged = eased(take, damaged, mask, int(rng.choice(ONSETS)))
     near = with_margin(mask, round(NEAR * take.rate))
-    repaired = repair(damaged, manifold)
+    repaired = repair_motion(damaged, manifold)
     found = []
     for finding in (*repaired.findings, *repaired.proposed):
         said = missing_joints(damaged, [finding])

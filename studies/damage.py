@@ -17,19 +17,19 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import butter, savgol_filter, sosfiltfilt
 
+from numpy_cae.cleanup import Preset, repair_motion
+from numpy_cae.cleanup.holes import Holes
+from numpy_cae.cleanup.interpolated import missing_joints, on_curves
 from numpy_cae.evaluation.baselines import Gaussian
 from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
-from numpy_cae.mocap.retarget.body import Body
-from numpy_cae.mocap.retarget.to_rig import retarget
+from numpy_cae.mocap.retargeting.body import Body
+from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.motion.hole_curves import ROTATION_CURVES, Curve
 from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.repair import Preset, repair
-from numpy_cae.repair.holes import Holes
-from numpy_cae.repair.interpolated import missing_joints, on_curves
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
 from studies.shared.material import LabelledTake, Material, evenly
 from studies.shared.result import Claim, Result, Table
@@ -101,7 +101,7 @@ FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Damage test takes of each source and repair them; `seed` draws the damage."""
     fillings: dict[str, Filling] = {
-        GIVEN: lambda motion, mask: repair(motion, manifold, mask).motion,
+        GIVEN: lambda motion, mask: repair_motion(motion, manifold, mask).motion,
         **{name: partial(curve_filling, curve) for name, curve in CURVES.items()},
         LINEAR: gaussian_filling(manifold, material.training),
     }
@@ -163,7 +163,9 @@ class _Trial:
 
     def _made(self, damaged: Motion, mask: np.ndarray, kind: str) -> dict[str, Motion]:
         """The damaged take by every method; what repair finds is compared with the mask."""
-        repaired = repair(damaged, self.manifold, preset=Preset(smooth=kind.startswith(JITTER)))
+        repaired = repair_motion(
+            damaged, self.manifold, preset=Preset(smooth=kind.startswith(JITTER))
+        )
         findings = [finding for finding in repaired.findings if finding.kind != JITTER]
         found = missing_joints(damaged, findings)
         self.values[FINDINGS][RECALL][kind].append(100 * found[mask].mean())

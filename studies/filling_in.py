@@ -16,16 +16,16 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from numpy_cae.cleanup.interpolated import on_curves
 from numpy_cae.evaluation import jitter, position_error
 from numpy_cae.evaluation.tables import Clips
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.fill import keyframe_mask
+from numpy_cae.manifold.filling import keyframe_mask
 from numpy_cae.mocap import body_positions
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import Motion, features_to_positions, joint_slice
 from numpy_cae.motion.hole_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
-from numpy_cae.repair.interpolated import on_curves
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.shared.material import Material, evenly, testing_of
 from studies.shared.result import Claim, Result, Table, moving

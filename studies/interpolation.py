@@ -14,7 +14,7 @@ import numpy as np
 
 from numpy_cae.evaluation import PCA
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares
+from numpy_cae.manifold.interpolation import TRANSITION, interpolate, shares
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.shared.material import LabelledTake, Material, evenly, features_of
 from studies.shared.result import Claim, Result, Table, moving

@@ -15,6 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.cleanup import PRESETS, Preset, repair_motion
+from numpy_cae.cleanup.jumps import jump_levels
+from numpy_cae.cleanup.presets import fitting_preset
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.evaluation import jitter
 from numpy_cae.manifold import MotionManifold
@@ -23,9 +26,6 @@ from numpy_cae.motion import Motion
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
 from numpy_cae.motion.masks import with_margin
-from numpy_cae.repair import PRESETS, Preset, repair
-from numpy_cae.repair.jumps import jump_levels
-from numpy_cae.repair.presets import fitting_preset
 from studies.shared.result import Claim, Result, Table
 
 BEFORE = "as it is"
@@ -58,7 +58,7 @@ class _File:
         made = {BEFORE: motion, FILTER: filtered}
         said = {}
         for name, settings in METHODS.items():
-            repaired = repair(motion, manifold, preset=settings)
+            repaired = repair_motion(motion, manifold, preset=settings)
             made[name] = repaired.motion
             kinds = sorted({finding.kind for finding in repaired.findings}) or ["unchanged"]
             said[name] = ", ".join(kinds + ["unlike"] * (not repaired.known))

@@ -24,6 +24,7 @@ from timeit import repeat
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.cleanup.feet import find_feet, mend_feet
 from numpy_cae.evaluation import jitter, position_error
 from numpy_cae.evaluation.tables import Clips
 from numpy_cae.manifold import MotionManifold, hidden_units
@@ -32,7 +33,6 @@ from numpy_cae.motion import JOINTS, POSITIONS, features_to_positions
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.motion.features import bone_lengths, change_lengths
 from numpy_cae.motion.fit import fit_motion
-from numpy_cae.repair.feet import find_feet, mend_feet
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.comparison import untrained
 from studies.shared.material import Material, features_of, testing_of

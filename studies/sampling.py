@@ -15,7 +15,7 @@ from dataclasses import astuple
 import numpy as np
 
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
-from numpy_cae.manifold.sample import encode_windows
+from numpy_cae.manifold.sampling import encode_windows
 from numpy_cae.viz import CORRUPTED, PROJECTED
 from studies.shared.material import Material, features_of
 from studies.shared.result import Claim, Result, moving

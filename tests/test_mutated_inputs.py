@@ -12,10 +12,10 @@ import pytest
 from mutations import mutated
 
 from data_synth import make_take
+from numpy_cae.cleanup import repair_motion
 from numpy_cae.cli.shared.damage_options import chosen_findings
 from numpy_cae.course.marks.roster import read_roster
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.repair import repair
 
 WALK = make_take("walk", 0, 2.0, 30.0).motion
 RATES = 24, 60, 100, 120, 240, 500, 1000, 2000
@@ -38,13 +38,13 @@ def clip(rng, rate):
 
 
 def mend(motion, findings=None):
-    repaired = repair(motion, None, findings=findings).motion
+    repaired = repair_motion(motion, None, findings=findings).motion
     assert len(repaired) == len(motion)
     assert np.isfinite(repaired.rotations).all() and np.isfinite(repaired.translations).all()
 
 
 DAMAGED = clip(np.random.default_rng(8), 30)
-FOUND = json.dumps([each.to_json() for each in repair(DAMAGED, None).findings], indent=1)
+FOUND = json.dumps([each.to_json() for each in repair_motion(DAMAGED, None).findings], indent=1)
 
 
 def use_findings(path):

@@ -2,11 +2,11 @@
 
     numpy-cae train bandai motions -o no_cmu.npz --recipe starter
     python -m tools.fill_strengths no_cmu.npz cmu/asfamc \
-        -o numpy_cae/repair/fill_strengths.json
+        -o numpy_cae/cleanup/fill_strengths.json
 
 Each model is followed by a folder of motions of a source that the model did not learn from. In
 takes of the source, spread over the folder, holes of each kind and length are filled by every
-candidate of `numpy_cae.repair.holes`. The table that is written has the mean over the holes of
+candidate of `numpy_cae.cleanup.holes`. The table that is written has the mean over the holes of
 
     r_k = log e_k - log e_0
 
@@ -24,13 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.manifold import MotionManifold, load_manifold
-from numpy_cae.mocap import find_motion_files, load_motion
-from numpy_cae.mocap.retarget.body import Body
-from numpy_cae.motion import JOINTS, RATE, Motion
-from numpy_cae.motion.hole_curves import CURVES, Curve, mean_curve
-from numpy_cae.motion.joints import LIMBS, joint_mask
-from numpy_cae.repair.holes import (
+from numpy_cae.cleanup.holes import (
     LEAST_METRES,
     POWERS,
     Trials,
@@ -39,6 +33,12 @@ from numpy_cae.repair.holes import (
     on_strengths,
     weights,
 )
+from numpy_cae.manifold import MotionManifold, load_manifold
+from numpy_cae.mocap import find_motion_files, load_motion
+from numpy_cae.mocap.retargeting.body import Body
+from numpy_cae.motion import JOINTS, RATE, Motion
+from numpy_cae.motion.hole_curves import CURVES, Curve, mean_curve
+from numpy_cae.motion.joints import LIMBS, joint_mask
 from studies.shared.material import evenly
 
 PARTS = {

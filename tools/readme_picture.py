@@ -17,11 +17,11 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from data_synth import make_take
+from numpy_cae.cleanup import repair_motion
 from numpy_cae.manifold import starter
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import JOINTS, PARENTS, RATE
 from numpy_cae.motion.quaternions import product
-from numpy_cae.repair import repair
 from numpy_cae.viz.figures import bones, camera_view
 
 SECONDS, STEP, AZIMUTH = 6.0, 2, 60.0
@@ -81,7 +81,7 @@ def main(path: str) -> None:
     """Make the walks and draw them."""
     truth = make_take("walk", seed=7001, seconds=SECONDS, rate=RATE).motion
     damaged = damaged_walk(truth)
-    repaired = repair(damaged, starter()).motion
+    repaired = repair_motion(damaged, starter()).motion
     motions = dict(zip(COLOURS, (damaged, repaired, truth), strict=True))
     walks = {name: body_positions(motion) for name, motion in motions.items()}
     for name in ("damaged", "repaired"):

@@ -22,7 +22,7 @@ from scipy.interpolate import pchip_interpolate
 from numpy_cae.evaluation import angle_distance, position_error
 from numpy_cae.evaluation.baselines import PCA, Gaussian, filtered
 from numpy_cae.manifold import MotionManifold, SequenceManifold
-from numpy_cae.manifold.complete import interpolated, zeroed_fraction
+from numpy_cae.manifold.completion import interpolated, zeroed_fraction
 from numpy_cae.motion import AngleSequence, cut_clips, cut_windows
 from numpy_cae.training import zero_values
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.array_file import save_arrays
-from numpy_cae.manifold import complete
+from numpy_cae.manifold import completion
 from numpy_cae.manifold import model_arrays as checked
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
@@ -153,7 +153,7 @@ class MotionManifold:
             X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
 
         in normalised features. P is the projection, and I is a cubic spline over time, each
-        feature by itself (`manifold.complete.interpolated` has its equation); before the first
+        feature by itself (`manifold.completion.interpolated` has its equation); before the first
         and after the last known value this value is repeated. The
         iteration ends with X_4, or with the first X_{n+1} for which
         ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more step, in which the projection is
@@ -210,7 +210,7 @@ class MotionManifold:
             x = x.astype(self.network.layers[0].w.dtype)
             return self._project_clip(self._rescaled(x), averaged).astype(np.float64)
 
-        found = complete.completed(x, known[None], project)[0]
+        found = completion.completed(x, known[None], project)[0]
         return np.where(known, features, self.denormalise(found))
 
     def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -219,14 +219,14 @@ class MotionManifold:
         To bound memory, `WINDOWS_AT_ONCE` windows are completed together; the iteration ends for
         all of these at the same time.
         """
-        at_once = complete.WINDOWS_AT_ONCE
+        at_once = completion.WINDOWS_AT_ONCE
         parts = [slice(n, n + at_once) for n in range(0, len(x), at_once)]
-        done = [complete.completed(x[part], known[part], self.project_windows) for part in parts]
+        done = [completion.completed(x[part], known[part], self.project_windows) for part in parts]
         return np.concatenate(done) if done else x
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""
-        return complete.project_shifted(self.network, self._rescaled(x), average_shifts)
+        return completion.project_shifted(self.network, self._rescaled(x), average_shifts)
 
     def remembering(self) -> "MotionManifold":
         """The same manifold, for repeated projections of a motion that changes in few places: a
@@ -318,14 +318,14 @@ class MotionManifold:
     def _project_once(self, x: np.ndarray, average_shifts: bool) -> np.ndarray:
         """`project_shifted` of one window (1, T, 63), (T, 63); see `remembering`."""
         if self._pieces is None:
-            return complete.project_shifted(self.network, x, average_shifts)[0]
+            return completion.project_shifted(self.network, x, average_shifts)[0]
         digest = blake2b(x.tobytes(), salt=bytes([average_shifts])).digest()
         if digest not in self._pieces:
             if len(self._pieces) == MAX_PIECES:
                 del self._pieces[next(iter(self._pieces))]
-            self._pieces[digest] = complete.project_shifted(self.network, x, average_shifts)[0]
+            self._pieces[digest] = completion.project_shifted(self.network, x, average_shifts)[0]
         return self._pieces[digest]
 
     def _rescaled(self, x: np.ndarray) -> np.ndarray:
         """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""
-        return x / (1 - complete.zeroed_fraction(x)) if self.rescales else x
+        return x / (1 - completion.zeroed_fraction(x)) if self.rescales else x

@@ -26,8 +26,8 @@ from numpy_cae.mocap.formats.read_bvh import read_bvh
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.formats.write_like import write_like
-from numpy_cae.mocap.retarget.body import body_of
-from numpy_cae.mocap.retarget.to_angles import angles_of
+from numpy_cae.mocap.retargeting.body import body_of
+from numpy_cae.mocap.retargeting.to_angles import angles_of
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.mocap.rigs.rigs import Mappings, RiggedMotion, UnknownRigError
 from numpy_cae.motion import AngleSequence, Motion

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.body import body_positions
+from numpy_cae.mocap.retargeting.body import body_positions
 from numpy_cae.motion import JOINTS, Motion
 
 LONGEST_SECONDS = 3.0

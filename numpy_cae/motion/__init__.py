@@ -18,4 +18,27 @@ from numpy_cae.motion.joints import JOINTS, PARENTS
 from numpy_cae.motion.motion import RATE, Motion, Note, Skeleton
 from numpy_cae.motion.windows import LENGTH, OVERLAP, cut_windows
 
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [
+    "ANGLE_RATE",
+    "CLIP",
+    "JOINTS",
+    "LENGTH",
+    "OVERLAP",
+    "PARENTS",
+    "POSITIONS",
+    "RATE",
+    "AngleSequence",
+    "Motion",
+    "Note",
+    "Skeleton",
+    "bone_lengths",
+    "change_lengths",
+    "cut_clips",
+    "cut_windows",
+    "draw_clips",
+    "features_to_positions",
+    "joint_slice",
+    "motion_of",
+    "on_floor",
+    "positions_to_features",
+]

@@ -8,10 +8,25 @@ several. Nothing has state. This package imports nothing of the project.
 
 from numpy_cae.ops.activations import arctanh, sigmoid, tanh
 from numpy_cae.ops.convolution import conv1d, transpose_filters
-from numpy_cae.ops.gru import gru, gru_step
-from numpy_cae.ops.linear import linear
+from numpy_cae.ops.dense import linear
 from numpy_cae.ops.losses import mean_absolute, mean_squared_error
 from numpy_cae.ops.pooling import max_pool, unpool_even, unpool_random
-from numpy_cae.ops.sliced_wasserstein import sliced_wasserstein
+from numpy_cae.ops.recurrent import gru, gru_step
+from numpy_cae.ops.wasserstein import sliced_wasserstein
 
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [
+    "arctanh",
+    "conv1d",
+    "gru",
+    "gru_step",
+    "linear",
+    "max_pool",
+    "mean_absolute",
+    "mean_squared_error",
+    "sigmoid",
+    "sliced_wasserstein",
+    "tanh",
+    "transpose_filters",
+    "unpool_even",
+    "unpool_random",
+]

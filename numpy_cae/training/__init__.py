@@ -20,4 +20,22 @@ from numpy_cae.training.schedule import (
 )
 from numpy_cae.training.sequential import train_sequential, unit_directions
 
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [
+    "RECIPES",
+    "SEQUENCE_RECIPES",
+    "Adam",
+    "Checkpoint",
+    "CheckpointError",
+    "DivergedError",
+    "ProgressPrinter",
+    "Schedule",
+    "SequenceSchedule",
+    "Stage",
+    "TrainingState",
+    "clip_norm",
+    "recipe",
+    "train_autoencoder",
+    "train_sequential",
+    "unit_directions",
+    "zero_values",
+]

@@ -14,4 +14,15 @@ from numpy_cae.verify.operations.catalogue import example, properties
 from numpy_cae.verify.operations.own_operation import operation_test, properties_of
 from numpy_cae.verify.operations.trial import check_property
 
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [
+    "check_adjoint",
+    "check_gradients",
+    "check_property",
+    "example",
+    "of_cache",
+    "of_layer",
+    "operation_test",
+    "properties",
+    "properties_of",
+    "report",
+]

@@ -6,4 +6,25 @@ from numpy_cae.viz.figures import LiveCurve, losses_figure, matrix_figure, save_
 from numpy_cae.viz.sliders import Chart, Curve, slider_figure
 from numpy_cae.viz.viewer import in_notebook, save_viewer
 
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [
+    "CORRUPTED",
+    "OTHERS",
+    "PLAIN",
+    "PROJECTED",
+    "TRUTH",
+    "Actor",
+    "Chart",
+    "Curve",
+    "LiveCurve",
+    "before_and_after",
+    "compared",
+    "in_notebook",
+    "losses_figure",
+    "matrix_figure",
+    "motion_actor",
+    "save_figure",
+    "save_viewer",
+    "side_by_side",
+    "slider_figure",
+    "strip_figure",
+]

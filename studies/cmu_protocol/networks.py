@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from numpy_cae.fast import accelerate
-from numpy_cae.manifold.complete import project_shifted
+from numpy_cae.manifold.completion import project_shifted
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training.optimisers import Adam, clip_norm, one_cycle
 from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, add_residual, gaussian_process

@@ -16,7 +16,7 @@ from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation.tables import Clips
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import learn_manifold
-from numpy_cae.manifold.complete import zeroed_fraction
+from numpy_cae.manifold.completion import zeroed_fraction
 from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import cut_clips, cut_windows, draw_clips

@@ -124,7 +124,7 @@ def test_repair_of_a_folder_lists_what_could_not_be_used(takes, tmp_path, capsys
 
 
 def test_what_the_model_does_not_know_stays_as_it_is(folder, tmp_path, capsys, monkeypatch, run):
-    monkeypatch.setattr(sys.modules["numpy_cae.repair.repair"], "UNKNOWN_METRES", 0.0)
+    monkeypatch.setattr(sys.modules["numpy_cae.cleanup.repair"], "UNKNOWN_METRES", 0.0)
     out = tmp_path / "out.bvh"
     words = ["repair", folder / "walk.bvh", "-m", folder / "model.npz", "-o", out]
     assert main([*map(str, words)]) == 4

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from numpy_cae.evaluation import PCA, baselines
 from numpy_cae.evaluation.baselines import Gaussian, contexts, filtered
 from numpy_cae.evaluation.tables import by_column
-from numpy_cae.manifold.complete import interpolated
+from numpy_cae.manifold.completion import interpolated
 
 
 @pytest.mark.parametrize("shape", [(400, 63), (60, 300)])

@@ -16,8 +16,8 @@ from numpy_cae.manifold import (
     sample,
     signature,
 )
-from numpy_cae.manifold.interpolate import TRANSITION, shares
-from numpy_cae.manifold.sample import NEIGHBOURS, encode_windows
+from numpy_cae.manifold.interpolation import TRANSITION, shares
+from numpy_cae.manifold.sampling import NEIGHBOURS, encode_windows
 from numpy_cae.mocap import body_of
 
 UNITS = st.integers(1, 6).flatmap(

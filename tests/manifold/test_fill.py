@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from data_synth import make_take
+from numpy_cae.cleanup import fill_motion
 from numpy_cae.manifold import fill, keyframe_mask
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import JOINTS, POSITIONS
-from numpy_cae.repair import fill_motion
 
 
 def walk(seed, rate=30.0, frames=None):

@@ -8,7 +8,7 @@ import pytest
 
 from numpy_cae.manifold import ModelFileError, load_manifold
 from numpy_cae.mocap import angles_of
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import cut_clips
 
 TYPES = pytest.mark.parametrize("kind", ["conv", "sequence"])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.manifold.complete import project_shifted, zeroed_fraction
+from numpy_cae.manifold.completion import project_shifted, zeroed_fraction
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import zero_values
 

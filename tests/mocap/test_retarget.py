@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.mocap import UnknownRigError, body_of, body_positions, retarget
-from numpy_cae.mocap.retarget.body import at_rate_of
+from numpy_cae.mocap.retargeting.body import at_rate_of
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.motion import JOINTS, Motion, Skeleton
 from numpy_cae.motion.fit import body_skeleton, fit_fan, swing

@@ -9,7 +9,7 @@ from acclaim_files import FILES
 
 from data_synth import make_take
 from numpy_cae.mocap import load_motion, retarget, write_bvh
-from numpy_cae.mocap.retarget.body import body_positions
+from numpy_cae.mocap.retargeting.body import body_positions
 from numpy_cae.mocap.rigs.recognise import (
     doubt,
     find_joints,

@@ -12,13 +12,13 @@ import numpy as np
 
 from data_synth import make_take
 from numpy_cae import viz
+from numpy_cae.cleanup import repair_motion
 from numpy_cae.cli.shared import arguments
 from numpy_cae.evaluation.tables import NOTE, P, half_removed
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import body_of, write_bvh
 from numpy_cae.motion import RATE
 from numpy_cae.motion.quaternions import from_vector, product
-from numpy_cae.repair import repair
 from numpy_cae.training import ProgressPrinter, recipe, zero_values
 from numpy_cae.viz.actor import local_actors
 
@@ -60,7 +60,7 @@ def _repair_a_walk(folder: Path, seed: int) -> None:
         wrong = rotations[frames, true.skeleton.index(joint)]
         wrong[:] = product(wrong, from_vector(np.radians(vector)))
     damaged = replace(true, rotations=rotations)
-    repaired = repair(damaged, starter()).motion
+    repaired = repair_motion(damaged, starter()).motion
     motions = {
         "damaged": (damaged, viz.CORRUPTED),
         "repaired": (repaired, viz.PROJECTED),

@@ -9,11 +9,11 @@ examples, with the files that `numpy-cae demo` writes:
 
 import argparse
 
+from numpy_cae.cleanup import Repaired, fill_motion
+from numpy_cae.cleanup.interpolated import missing_joints
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.manifold import keyframe_mask
 from numpy_cae.motion import Motion
-from numpy_cae.repair import Repaired, fill_motion
-from numpy_cae.repair.interpolated import missing_joints
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import note
-from numpy_cae.manifold.interpolate import TRANSITION, interpolate, shares, with_path
+from numpy_cae.manifold.interpolation import TRANSITION, interpolate, shares, with_path
 from numpy_cae.mocap import Body, load_body, require_bvh
 from numpy_cae.viz import OTHERS, PROJECTED, TRUTH
 from numpy_cae.viz.actor import world_actors

@@ -21,10 +21,10 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.cleanup import PRESETS, Finding, Preset, Repaired, project_motion, repair_motion
+from numpy_cae.cleanup.repaired import count, distances
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.motion import Motion
-from numpy_cae.repair import PRESETS, Finding, Preset, Repaired, project_motion, repair
-from numpy_cae.repair.repaired import count, distances
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -61,9 +61,11 @@ def run(args: argparse.Namespace) -> int:
             moved = distances(motion, projected)
             return Repaired(projected, np.ones(moved.shape, bool), moved)
         findings = damage_options.chosen_findings(args, motion)
-        repaired = repair(motion, manifold, preset=preset, findings=findings, progress=progress)
+        repaired = repair_motion(
+            motion, manifold, preset=preset, findings=findings, progress=progress
+        )
         if args.only:
-            return repair(motion, manifold, findings=_only(args.only, repaired))
+            return repair_motion(motion, manifold, findings=_only(args.only, repaired))
         return repaired
 
     return change_files.change_files(args, mend)

@@ -12,7 +12,7 @@ import numpy as np
 
 from numpy_cae.cli.shared import arguments, files
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, SequenceManifold, sample
-from numpy_cae.manifold.sample import encode_windows
+from numpy_cae.manifold.sampling import encode_windows
 from numpy_cae.mocap import Body, hold_first_pose, load_body, require_bvh
 from numpy_cae.motion import RATE, Motion, features_to_positions
 from numpy_cae.motion.features import RootTransform

@@ -17,14 +17,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.cleanup import Repaired, write_findings
+from numpy_cae.cleanup import repaired as report
 from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.output import working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError, rig_of
 from numpy_cae.mocap.load import FileMotion, load_motion
 from numpy_cae.motion import Motion
-from numpy_cae.repair import Repaired, write_findings
-from numpy_cae.repair import repaired as report
 from numpy_cae.visible import visible
 from numpy_cae.viz import before_and_after, save_viewer
 from numpy_cae.viz.figures import strip_svg

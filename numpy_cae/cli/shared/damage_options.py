@@ -10,13 +10,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+from numpy_cae.cleanup.finding import BODY, Finding, usable
 from numpy_cae.cli.shared import arguments
 from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile
-from numpy_cae.mocap.retarget.to_rig import moves_alone
+from numpy_cae.mocap.retargeting.to_rig import moves_alone
 from numpy_cae.mocap.rigs.recognise import joint_index
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.joints import LIMBS
-from numpy_cae.repair.finding import BODY, Finding, usable
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 

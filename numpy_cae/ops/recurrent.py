@@ -9,7 +9,7 @@ backpropagation through time.
 import numpy as np
 
 from numpy_cae.ops.activations import sigmoid
-from numpy_cae.ops.linear import linear
+from numpy_cae.ops.dense import linear
 from numpy_cae.ops.shapes import Pullback, require_shape
 
 

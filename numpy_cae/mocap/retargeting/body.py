@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.to_rig import retarget
+from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion import RATE, Motion, bone_lengths, change_lengths, positions_to_features

@@ -16,11 +16,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from numpy_cae.cleanup.curves import STILL_METRES, Curve, curves_of, usual_body
+from numpy_cae.cleanup.finding import BODY, Finding, confidence
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.masks import runs
-from numpy_cae.repair.curves import STILL_METRES, Curve, curves_of, usual_body
-from numpy_cae.repair.finding import BODY, Finding, confidence
 
 CAUGHT_UP_RATIO = 2.5
 """CAUGHT_UP_RATIO: what stood still ends with a step of more than this times the median of the

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.cleanup.holes import PRIOR_TRIALS, curves_and_strengths, trials_in, weights
+from numpy_cae.cleanup.interpolated import on_curves, unknown_channels
+from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.hole_curves import CURVES, over_holes, rotations_over_holes
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
-from numpy_cae.repair.holes import PRIOR_TRIALS, curves_and_strengths, trials_in, weights
-from numpy_cae.repair.interpolated import on_curves, unknown_channels
 
 LEG = "right_knee right_ankle right_toe", "rfemur rtibia rfoot"
 

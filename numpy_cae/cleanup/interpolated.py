@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.to_rig import bones_through
+from numpy_cae.cleanup.finding import BODY, Finding, joint_names, marked
+from numpy_cae.mocap.retargeting.to_rig import bones_through
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, hole_curves
 from numpy_cae.motion.hole_curves import EVERY, CurveAt, eased_everywhere
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import IDENTITY
-from numpy_cae.repair.finding import BODY, Finding, joint_names, marked
 
 ROTATION_KINDS = ("spike", "displaced", "frozen")
 """ROTATION_KINDS: findings of these kinds say that the joint's rotation is damaged."""

@@ -23,15 +23,15 @@ from typing import Any
 
 import numpy as np
 
+from numpy_cae.cleanup import curves
+from numpy_cae.cleanup.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
+from numpy_cae.cleanup.finding import Finding, confidence
+from numpy_cae.cleanup.interpolated import TRANSLATION_KINDS, interpolate_channels
+from numpy_cae.cleanup.spikes import carried, longest_spike
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.contacts import floor_height
 from numpy_cae.motion.hole_curves import rejoined
 from numpy_cae.motion.quaternions import angle, inverse, product
-from numpy_cae.repair import curves
-from numpy_cae.repair.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
-from numpy_cae.repair.finding import Finding, confidence
-from numpy_cae.repair.interpolated import TRANSLATION_KINDS, interpolate_channels
-from numpy_cae.repair.spikes import carried, longest_spike
 
 JUMP_TO_NEIGHBOURS_RATIO = 3.0
 """JUMP_TO_NEIGHBOURS_RATIO: a step is a jump only if it is longer than this times the steps before

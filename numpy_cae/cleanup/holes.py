@@ -25,18 +25,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.manifold.fill import corrected, fill, kinds_of_holes
+from numpy_cae.cleanup.finding import Finding
+from numpy_cae.cleanup.interpolated import interpolate_channels, missing_joints, on_curves
+from numpy_cae.manifold.filling import corrected, fill, kinds_of_holes
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.mocap.retarget.body import Body, at_rate_of, body_of
-from numpy_cae.mocap.retarget.to_rig import retarget
+from numpy_cae.mocap.retargeting.body import Body, at_rate_of, body_of
+from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, RATE, Motion, bone_lengths, change_lengths
 from numpy_cae.motion.features import features_to_positions, local_positions, positions_to_features
 from numpy_cae.motion.hole_curves import CURVES, Curve, CurveAt, eased, eased_everywhere, mean_curve
 from numpy_cae.motion.masks import at_thirty, run_numbers, runs
 from numpy_cae.motion.motion import blocks
-from numpy_cae.repair.finding import Finding
-from numpy_cae.repair.interpolated import interpolate_channels, missing_joints, on_curves
 
 LONG_FRAMES = 18_000
 """LONG_FRAMES: the distance from the manifold is measured over at most so many frames at a time,
@@ -388,4 +388,4 @@ def prior(name: str, kind: str, seconds: float) -> np.ndarray:
 def fill_table() -> dict:
     """Lengths of holes, in frames at 30 a second, and r for each kind of hole, length and candidate
     relative to the first candidate."""
-    return json.loads(files("numpy_cae.repair").joinpath("fill_strengths.json").read_text("utf-8"))
+    return json.loads(files("numpy_cae.cleanup").joinpath("fill_strengths.json").read_text("utf-8"))

@@ -10,7 +10,7 @@ hole. Arrays are at thirty frames a second, (F, …).
 
 import numpy as np
 
-from numpy_cae.manifold.complete import completed
+from numpy_cae.manifold.completion import completed
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS, RATE
 from numpy_cae.motion.features import POSITIONS, local_positions

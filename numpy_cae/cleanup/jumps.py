@@ -12,6 +12,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from numpy_cae.cleanup.curves import at_about_thirty, body_size, curves_of, off_cubic
+from numpy_cae.cleanup.finding import BODY, Finding, confidence
+from numpy_cae.cleanup.presets import shaking
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, filters
 from numpy_cae.motion.contacts import FEET
@@ -19,9 +22,6 @@ from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.masks import runs, with_margin
 from numpy_cae.motion.motion import blocks
 from numpy_cae.motion.quaternions import slerp
-from numpy_cae.repair.curves import at_about_thirty, body_size, curves_of, off_cubic
-from numpy_cae.repair.finding import BODY, Finding, confidence
-from numpy_cae.repair.presets import shaking
 
 OFF_MEDIAN_METRES = 0.08
 """OFF_MEDIAN_METRES: a step jumps if it differs from the median of seven steps by more than this

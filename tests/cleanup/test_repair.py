@@ -8,17 +8,17 @@ import pytest
 from scipy.signal import butter, lfilter, savgol_filter, sosfiltfilt
 
 from data_synth import make_take
+from numpy_cae.cleanup import project_motion
+from numpy_cae.cleanup.holes import Holes
+from numpy_cae.cleanup.projection import keep_trajectory
 from numpy_cae.evaluation import position_error
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_of, body_positions
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import POSITIONS, bone_lengths
 from numpy_cae.motion.features import TURN, VELOCITY, trajectory_of
 from numpy_cae.motion.filters import smooth_curve
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.repair import project_motion
-from numpy_cae.repair.holes import Holes
-from numpy_cae.repair.project_motion import keep_trajectory
 
 
 class Identity(MotionManifold):

@@ -13,11 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from numpy_cae.cleanup.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
+from numpy_cae.cleanup.finding import Finding, confidence
 from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
-from numpy_cae.repair.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
-from numpy_cae.repair.finding import Finding, confidence
 
 LONGEST_SPIKE_SECONDS = 0.1
 """LONGEST_SPIKE_SECONDS: a spike lasts at most this time (s), or a frame."""

@@ -26,17 +26,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.manifold.fill import corrected
+from numpy_cae.cleanup.curves import at_about_thirty
+from numpy_cae.cleanup.finding import Finding, confidence
+from numpy_cae.cleanup.holes import Holes
+from numpy_cae.manifold.filling import corrected
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, RATE, Motion
 from numpy_cae.motion.hole_curves import rotations_over_holes
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
-from numpy_cae.repair.curves import at_about_thirty
-from numpy_cae.repair.finding import Finding, confidence
-from numpy_cae.repair.holes import Holes
 
 LAGS_SECONDS = np.array([1, 2, 3, 4, 5, 7, 9]) / RATE
 """LAGS_SECONDS: a turn begins, and ends, within one of these times (s)."""

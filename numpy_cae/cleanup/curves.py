@@ -17,12 +17,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from numpy_cae.mocap.retarget.body import body_positions
+from numpy_cae.cleanup.finding import joint_names
+from numpy_cae.mocap.retargeting.body import body_positions
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, RATE, Motion, Skeleton
 from numpy_cae.motion.contacts import FEET, foot_speeds, lower_foot, sliding_of
 from numpy_cae.motion.quaternions import inverse, product, to_vector
-from numpy_cae.repair.finding import joint_names
 
 STILL_METRES = 1e-6
 """STILL_METRES: a curve stands still where it changes by no more than this (m; of quaternions, in

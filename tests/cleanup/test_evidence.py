@@ -8,19 +8,19 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
+from numpy_cae.cleanup import PRESETS, Finding, Preset, repair_motion
+from numpy_cae.cleanup.feet import find_feet, mend_feet
+from numpy_cae.cleanup.finding import is_path, usable
+from numpy_cae.cleanup.interpolated import missing_joints
+from numpy_cae.cleanup.jumps import jump_levels
+from numpy_cae.cleanup.presets import fitting_preset
+from numpy_cae.cleanup.repair import mend
+from numpy_cae.cleanup.still import find_t_pose
 from numpy_cae.manifold import starter
 from numpy_cae.mocap import body_positions, rig_of
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import FEET, find_contacts
 from numpy_cae.motion.filters import filter_motion, strongly_filtered
-from numpy_cae.repair import PRESETS, Finding, Preset, repair
-from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import is_path, usable
-from numpy_cae.repair.interpolated import missing_joints
-from numpy_cae.repair.jumps import jump_levels
-from numpy_cae.repair.presets import fitting_preset
-from numpy_cae.repair.repair import mend
-from numpy_cae.repair.still import find_t_pose
 from studies.shared.damages import DAMAGES, EASED, eased
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
@@ -90,7 +90,7 @@ DAMAGE = {
 def test_damage_is_found_and_mended_without_a_model(walk, kind):
     damage, frames, share = DAMAGE[kind]
     damaged = damage(walk)
-    repaired = repair(damaged, None)
+    repaired = repair_motion(damaged, None)
     assert kind.split(",")[0] in {finding.kind for finding in repaired.findings}
     for finding in repaired.findings:
         last = len(walk) if frames.stop is None else frames.stop
@@ -115,20 +115,20 @@ def test_damage_that_begins_over_a_few_frames_is_found(manifold, kind, onset):
     true = body_positions(motion)
     damaged, mask = DAMAGES[kind](motion, np.random.default_rng(1))
     damaged = eased(motion, damaged, mask, onset)
-    repaired = repair(damaged, manifold)
+    repaired = repair_motion(damaged, manifold)
     found = missing_joints(motion, repaired.findings)
     assert found[mask].mean() > 0.8 and found[~mask].mean() < 0.01
     share = 1.1 if kind == "frozen in channels" else 0.3  # arms that hang are filled in no better
     off = [np.linalg.norm(body_positions(m) - true, axis=-1) for m in (repaired.motion, damaged)]
     assert off[0][mask].mean() < share * off[1][mask].mean()
     if onset == 1:
-        again = repair(damaged, manifold, findings=repaired.findings).motion
+        again = repair_motion(damaged, manifold, findings=repaired.findings).motion
         np.testing.assert_array_equal(again.rotations, repaired.motion.rotations)
 
 
 def test_a_clean_motion_is_left_as_it_is(manifold, walk):
     for preset in (Preset(), Preset(feet=True)):
-        repaired = repair(walk, manifold, preset=preset)
+        repaired = repair_motion(walk, manifold, preset=preset)
         assert repaired.known and not repaired.findings
         assert repaired.motion is walk
     assert fitting_preset(walk) is None
@@ -156,23 +156,23 @@ def test_a_kick_of_ten_metres_a_second_is_left_and_a_jump_beside_it_is_not(rate,
     kick = turned(turned(walk, {"rfemur": kick}, "x"), {"rtibia": -0.7 * kick}, "x")
     kick = replace(kick.at(slice(None, None, 120 // rate)), skeleton=kick.skeleton.scaled(size))
     kick = replace(kick, rate=float(rate), translations=size * kick.translations)
-    assert repair(kick, None).motion is kick
+    assert repair_motion(kick, None).motion is kick
     away = slice(4 * rate, 4 * rate + rate // 24)
-    repaired = repair(turned(kick, {"lhumerus": 60.0}, "z", away), None).motion
+    repaired = repair_motion(turned(kick, {"lhumerus": 60.0}, "z", away), None).motion
     assert np.abs(body_positions(repaired) - body_positions(kick)).max() < 0.05 * size
 
 
 def test_findings_passed_back_are_mended_and_nothing_else(manifold, walk):
     damaged = turned(turned(walk, {"lhumerus": 60.0}, "z", SHOULDER), {"rfemur": 40}, "x", [200])
-    findings = repair(damaged, manifold).findings
+    findings = repair_motion(damaged, manifold).findings
     assert {finding.joint for finding in findings} >= {"left_shoulder", "right_hip"}
     chosen = [finding for finding in findings if finding.joint == "left_shoulder"]
-    repaired = repair(damaged, manifold, findings=chosen)
+    repaired = repair_motion(damaged, manifold, findings=chosen)
     assert np.flatnonzero(repaired.touched.any(axis=1)).tolist() == [101, 102]
     with pytest.raises(ValueError, match="no joint 'tail'"):
-        repair(walk, manifold, findings=[Finding("tail", (3, 4), "spike")])
+        repair_motion(walk, manifold, findings=[Finding("tail", (3, 4), "spike")])
     with pytest.raises(ValueError, match="frames 0 to 299"):
-        repair(walk, manifold, findings=[Finding("hips", (3, 300), "spike")])
+        repair_motion(walk, manifold, findings=[Finding("hips", (3, 300), "spike")])
 
 
 @pytest.mark.parametrize("frames", [1, 30])
@@ -180,11 +180,11 @@ def test_a_t_pose_at_the_start_is_kept_or_cut_and_not_smeared(walk, frames):
     rotations, translations = walk.rotations.copy(), walk.translations.copy()
     rotations[:frames, 1:], translations[:frames] = REST, translations[0]
     damaged = replace(walk, rotations=rotations, translations=translations)
-    kept = repair(damaged, None, preset=Preset(smooth=True))
+    kept = repair_motion(damaged, None, preset=Preset(smooth=True))
     assert (kept.findings[0].kind, kept.findings[0].frames) == ("T-pose", (0, frames - 1))
     np.testing.assert_array_equal(kept.motion.rotations[:frames], rotations[:frames])
     assert error(kept.motion, damaged, slice(frames, frames + 10), ALL) < 0.01
-    cut = repair(damaged, None, preset=Preset(cut=True))
+    cut = repair_motion(damaged, None, preset=Preset(cut=True))
     np.testing.assert_array_equal(cut.motion.rotations, rotations[frames:])
     assert fitting_preset(damaged) == "suit"
     # A file that was filtered eases out of the pose after the root has turned.
@@ -207,8 +207,8 @@ def test_feet_that_sink_or_slide_stand_still_on_the_floor(walk, way):
     translations = walk.translations.copy()
     translations[:, 0] += share * share * (3 - 2 * share) * way
     damaged = replace(walk, translations=translations)
-    assert not repair(damaged, None).findings
-    repaired = repair(damaged, None, preset=Preset(feet=True))
+    assert not repair_motion(damaged, None).findings
+    repaired = repair_motion(damaged, None, preset=Preset(feet=True))
     assert {finding.kind for finding in repaired.findings} == {"foot"}
     contacts = find_contacts(body_positions(walk), 60.0)
     stands = contacts & (share == 1)
@@ -223,8 +223,8 @@ def test_feet_that_sink_or_slide_stand_still_on_the_floor(walk, way):
 
 def test_the_path_of_a_root_that_stands_still_follows_from_the_feet(walk):
     still = replace(walk, translations=walk.translations[:1].repeat(len(walk), axis=0))
-    assert not repair(still, None).findings
-    repaired = repair(still, None, preset=Preset(feet=True))
+    assert not repair_motion(still, None).findings
+    repaired = repair_motion(still, None, preset=Preset(feet=True))
     true, after = body_positions(walk), body_positions(repaired.motion)
     off = np.linalg.norm(after[:, 0] - after[0, 0] - true[:, 0] + true[0, 0], axis=-1)
     assert is_path(repaired.findings[0])
@@ -243,7 +243,7 @@ def test_feet_that_make_no_steps_are_held_at_one_place():
     still = replace(wave, translations=wave.translations[:1].repeat(len(wave), axis=0))
     noise = np.random.default_rng(0).normal(0.0, 15.0, size=(2, len(wave)))
     legs = dict(zip(["lfemur", "rfemur"], gaussian_filter1d(noise, 3.0), strict=True))
-    after = repair(turned(still, legs, "x"), None, preset=Preset(feet=True))
+    after = repair_motion(turned(still, legs, "x"), None, preset=Preset(feet=True))
     assert is_path(after.findings[0])
     assert np.ptp(body_positions(after.motion)[:, 0, [0, 2]], axis=0).max() < 0.35
 
@@ -254,7 +254,7 @@ def test_feet_are_left_alone_where_they_would_slide_more(walk):
     swing = 60 + int(np.argmax(speed[60:240]))
     wrong = [Finding("left_toe", (swing - 6, swing + 6), "foot")]
     assert mend_feet(walk, wrong) is walk
-    repaired = repair(walk, None, findings=wrong)
+    repaired = repair_motion(walk, None, findings=wrong)
     assert not repaired.touched.any()
     assert [finding.status for finding in repaired.proposed] == ["left"]
 
@@ -263,7 +263,7 @@ def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk
     noise = np.zeros(len(walk))
     noise[100:130] = 40 * np.random.default_rng(1).normal(size=30)
     noisy = turned(walk, {"lhumerus": noise}, "z")
-    repaired = repair(noisy, None)
+    repaired = repair_motion(noisy, None)
     assert {"jumps"} == {finding.kind for finding in repaired.findings} - {"spike"}
     ten_lines = filter_motion(noisy, lambda curve: strongly_filtered(curve, walk.rate))
     assert (jump_levels(noisy) > 0).sum() > 10
@@ -275,17 +275,19 @@ def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk
 
 def test_a_joint_that_returns_to_its_limit_is_not_frozen(walk):
     knees = held(held(walk, ["ltibia"], slice(60, 90)), ["ltibia"], slice(200, 203), REST)
-    assert {"frozen"} == {f.kind for f in repair(knees, None).findings} & {"frozen"}
+    assert {"frozen"} == {f.kind for f in repair_motion(knees, None).findings} & {"frozen"}
     value = knees.rotations[60, walk.skeleton.index("ltibia")]
     at_limit = held(knees, ["ltibia"], slice(230, 240), value)
-    assert "frozen" not in {f.kind for f in repair(at_limit, None).findings if f.frames[0] < 95}
+    assert "frozen" not in {
+        f.kind for f in repair_motion(at_limit, None).findings if f.frames[0] < 95
+    }
 
 
 def test_a_bone_of_no_length_gets_its_length_back(walk):
     wrist, translations = walk.skeleton.index("lwrist"), walk.translations.copy()
     translations[100:160, wrist] = 0.0
     translations[200, wrist, 0] += 0.01  # so that the bone has a channel: no damage
-    repaired = repair(replace(walk, translations=translations), None)
+    repaired = repair_motion(replace(walk, translations=translations), None)
     assert [finding.frames for finding in repaired.findings] == [(100, 159)]
     np.testing.assert_allclose(repaired.motion.translations[100:160], walk.translations[100:160])
 
@@ -295,7 +297,7 @@ def test_a_pose_that_begins_and_ends_smoothly_and_lasts_is_no_damage(manifold):
     motion = make_take("walk", 4, seconds=8.0, rate=30.0).motion
     degrees = 100 * np.interp(np.arange(len(motion)), [60, 80, 150, 170], [0, 1, 1, 0])
     kneels = turned(motion, {"lfemur": -0.5 * degrees, "ltibia": degrees}, "x")
-    assert not repair(kneels, manifold).touched.any()
+    assert not repair_motion(kneels, manifold).touched.any()
 
 
 def test_an_unknown_motion_gets_what_needs_no_manifold(manifold):
@@ -304,22 +306,22 @@ def test_an_unknown_motion_gets_what_needs_no_manifold(manifold):
     directions = np.random.default_rng(0).normal(size=(len(lying.skeleton.names), 3))
     turns = Rotation.from_rotvec((directions * (1 + 0.1 * slow)).reshape(-1, 3)).as_quat()
     strange = replace(lying, rotations=turns.reshape(lying.rotations.shape))
-    repaired = repair(strange, manifold)
+    repaired = repair_motion(strange, manifold)
     assert not repaired.known
     assert not repaired.touched.any()
     spiked = turned(strange, {"lhumerus": 60.0}, "z", slice(40, 41))
-    repaired = repair(spiked, manifold)
+    repaired = repair_motion(spiked, manifold)
     assert not repaired.known
     assert np.flatnonzero(repaired.touched.any(axis=1)).tolist() == [40]
     marked = np.zeros((len(lying), 20), bool)
     marked[50:60] = True
-    assert repair(strange, manifold, marked).touched[50:60].all()
+    assert repair_motion(strange, manifold, marked).touched[50:60].all()
 
 
 def test_values_that_are_not_finite_are_filled_in(manifold, walk):
     rotations, elbow = walk.rotations.copy(), walk.skeleton.index("lradius")
     rotations[50:60, elbow] = np.nan
-    repaired = repair(replace(walk, rotations=rotations), manifold)
+    repaired = repair_motion(replace(walk, rotations=rotations), manifold)
     assert np.all(np.isfinite(repaired.motion.rotations))
     found = [(f.joint, f.frames, f.kind) for f in repaired.findings]
     assert found == [("left_elbow", (50, 59), "not finite")]
@@ -335,7 +337,7 @@ def test_a_motion_that_shakes_and_jumps_is_smoothed_about_as_by_ten_lines(walk):
     for frame in rng.integers(10, 290, 30):
         noisy = turned(noisy, {"lhumerus": 70.0}, "z", [frame])
     assert fitting_preset(noisy) == "video"
-    repaired = repair(noisy, None, preset=replace(PRESETS["video"], feet=False))
+    repaired = repair_motion(noisy, None, preset=replace(PRESETS["video"], feet=False))
     ten_lines = filter_motion(noisy, lambda curve: strongly_filtered(curve, walk.rate))
     assert error(repaired.motion, walk, ALL, ALL) < 1.2 * error(ten_lines, walk, ALL, ALL)
     assert (jump_levels(repaired.motion) > 0).sum() <= (jump_levels(ten_lines) > 0).sum()
@@ -360,5 +362,5 @@ def test_every_step_says_which_share_of_the_time_has_passed(untrained_manifold):
     for preset, steps in ((None, 5), (PRESETS["video"], 7)):
         shares: list[float] = []
         motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
-        repair(motion, untrained_manifold, preset=preset, progress=shares.append)
+        repair_motion(motion, untrained_manifold, preset=preset, progress=shares.append)
         assert len(shares) == steps and sorted(set(shares)) == shares and 0 < max(shares) < 1

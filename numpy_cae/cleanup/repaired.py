@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from numpy_cae.cleanup.curves import LEAST_LEVER_METRES, sliding
+from numpy_cae.cleanup.finding import STATUSES, Finding, is_path
+from numpy_cae.cleanup.interpolated import missing_joints, with_finite_values
+from numpy_cae.cleanup.jumps import SHARP, jump_levels
+from numpy_cae.cleanup.presets import PRESETS, fitting_preset, shaking
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, PARENTS, Motion
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import blocks
 from numpy_cae.motion.quaternions import rotate
-from numpy_cae.repair.curves import LEAST_LEVER_METRES, sliding
-from numpy_cae.repair.finding import STATUSES, Finding, is_path
-from numpy_cae.repair.interpolated import missing_joints, with_finite_values
-from numpy_cae.repair.jumps import SHARP, jump_levels
-from numpy_cae.repair.presets import PRESETS, fitting_preset, shaking
 
 MOVED_METRES = 1e-6
 """MOVED_METRES: a joint is touched if it moves by more than this (m)."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.mocap.retarget.body import Body, retarget_poses
+from numpy_cae.mocap.retargeting.body import Body, retarget_poses
 from numpy_cae.motion.features import (
     SMOOTHING_SECONDS,
     VELOCITY,
@@ -37,7 +37,7 @@ def project_motion(motion: Motion, manifold: MotionManifold) -> Motion:
     --------
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import starter
-    >>> from numpy_cae.repair import project_motion
+    >>> from numpy_cae.cleanup import project_motion
     >>> motion = make_take("walk", 0, seconds=1.0, rate=120.0).motion
     >>> projected = project_motion(motion, starter())
     >>> len(projected), projected.rate

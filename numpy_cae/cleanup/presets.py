@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from numpy_cae.cleanup.curves import sliding, usual_body
+from numpy_cae.cleanup.interpolated import with_finite_values
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion.filters import LEAST_RATE
 from numpy_cae.motion.motion import Motion
-from numpy_cae.repair.curves import sliding, usual_body
-from numpy_cae.repair.interpolated import with_finite_values
 
 
 @dataclass(frozen=True)

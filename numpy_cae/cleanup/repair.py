@@ -20,23 +20,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.manifold.fill import checked_mask
+from numpy_cae.cleanup import jumps
+from numpy_cae.cleanup.curves import slides_of
+from numpy_cae.cleanup.displaced import find_displaced, mend_displaced
+from numpy_cae.cleanup.feet import find_feet, mend_feet
+from numpy_cae.cleanup.finding import BODY, Finding, joint_names, marked, shifted, usable
+from numpy_cae.cleanup.holes import UNKNOWN_METRES, complete_holes, filled_by
+from numpy_cae.cleanup.interpolated import interpolate_channels, with_finite_values
+from numpy_cae.cleanup.limb_turns import find_limb_turns, mend_limb_turns
+from numpy_cae.cleanup.presets import Preset
+from numpy_cae.cleanup.repaired import Repaired, distances, joined, repaired_of
+from numpy_cae.cleanup.spikes import find_spikes
+from numpy_cae.cleanup.still import find_still, find_t_pose, is_held
+from numpy_cae.manifold.filling import checked_mask
 from numpy_cae.manifold.motion_manifold import MotionManifold
-from numpy_cae.mocap.retarget.body import Body
+from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion.masks import with_margin
 from numpy_cae.motion.motion import Motion, require_finite
-from numpy_cae.repair import jumps
-from numpy_cae.repair.curves import slides_of
-from numpy_cae.repair.displaced import find_displaced, mend_displaced
-from numpy_cae.repair.feet import find_feet, mend_feet
-from numpy_cae.repair.finding import BODY, Finding, joint_names, marked, shifted, usable
-from numpy_cae.repair.holes import UNKNOWN_METRES, complete_holes, filled_by
-from numpy_cae.repair.interpolated import interpolate_channels, with_finite_values
-from numpy_cae.repair.limb_turns import find_limb_turns, mend_limb_turns
-from numpy_cae.repair.presets import Preset
-from numpy_cae.repair.repaired import Repaired, distances, joined, repaired_of
-from numpy_cae.repair.spikes import find_spikes
-from numpy_cae.repair.still import find_still, find_t_pose, is_held
 
 NEAR_SECONDS = 0.25
 """NEAR_SECONDS: jumps and sliding feet are looked at within this time of the damage (s)."""
@@ -84,7 +84,7 @@ STEPS = (
 """STEPS: what is mended, in this order, before holes are filled in."""
 
 
-def repair(
+def repair_motion(
     motion: Motion,
     manifold: MotionManifold | None,
     damaged: np.ndarray | None = None,
@@ -129,10 +129,10 @@ def repair(
     --------
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import starter
-    >>> from numpy_cae.repair import repair
+    >>> from numpy_cae.cleanup import repair_motion
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> motion.rotations[30:33, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
-    >>> repaired = repair(motion, starter())
+    >>> repaired = repair_motion(motion, starter())
     >>> repaired.findings[0].joint, repaired.findings[0].frames, repaired.findings[0].kind
     ('left_elbow', (30, 32), 'spike')
     """
@@ -333,7 +333,7 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     --------
     >>> from data_synth import make_take
     >>> from numpy_cae.manifold import keyframe_mask, starter
-    >>> from numpy_cae.repair import fill_motion
+    >>> from numpy_cae.cleanup import fill_motion
     >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
     >>> fill_motion(motion, starter(), keyframe_mask(30, 10))
     all joints: frames 1 to 9, 11 to 19: moved 3.7 cm, at most 24.0

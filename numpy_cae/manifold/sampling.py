@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.manifold.compare import hidden_units
+from numpy_cae.manifold.comparison import hidden_units
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.windows import cut_windows
 

@@ -28,16 +28,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.mocap.retarget.body import body_positions
-from numpy_cae.mocap.retarget.to_rig import retarget
+from numpy_cae.cleanup.curves import body_size, sliding, usual_body, usual_toes
+from numpy_cae.cleanup.finding import BODY, Finding, confidence, is_path
+from numpy_cae.cleanup.jumps import SHARP, jump_levels
+from numpy_cae.mocap.retargeting.body import body_positions
+from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.filters import butterworth, median_of
 from numpy_cae.motion.fit import bent
 from numpy_cae.motion.masks import runs, with_margin
-from numpy_cae.repair.curves import body_size, sliding, usual_body, usual_toes
-from numpy_cae.repair.finding import BODY, Finding, confidence, is_path
-from numpy_cae.repair.jumps import SHARP, jump_levels
 
 TOES = [JOINTS[foot] for foot in FEET]
 LEGS = [list(range(toe - 3, toe + 1)) for toe in FEET]
