@@ -15,7 +15,7 @@ from data_synth.stride import pitched
 from numpy_cae.motion.features import rotate_about_y
 
 
-@dataclass
+@dataclass(eq=False)
 class Foot:
     """The positions of one foot over a take.
 

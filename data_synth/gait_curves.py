@@ -44,7 +44,7 @@ _RUN = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FourierSeries:
     """y(φ) = Σ_k a_k cos(2πkφ) + b_k sin(2πkφ), φ in strides, y in radians."""
 

@@ -22,7 +22,7 @@ _STANDING_THIGH, _STANDING_KNEE = np.radians(3.5), np.radians(7.0)
 _STEEPEST = np.radians(72.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Implied:
     """The consequences of the angles and the length of a stride.
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 
-@dataclass
+@dataclass(eq=False)
 class Leg:
     """One leg over F frames.
 
@@ -32,7 +32,7 @@ class Leg:
     splay: np.ndarray
 
 
-@dataclass
+@dataclass(eq=False)
 class Arm:
     """One arm over F frames; every field has shape (F,) except the goal.
 
@@ -70,7 +70,7 @@ class Arm:
     hand: Rotation | None = None
 
 
-@dataclass
+@dataclass(eq=False)
 class Pose:
     """A whole body over F frames.
 

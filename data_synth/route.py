@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 _GRID = 200.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Route:
     """A route on the floor.
 

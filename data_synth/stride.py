@@ -17,7 +17,7 @@ from numpy_cae.motion.features import rotate_about_y
 LONG_AGO = 1e4
 
 
-@dataclass
+@dataclass(eq=False)
 class Stances:
     """The K stances of one foot, in order of time.
 

@@ -8,7 +8,7 @@ from data_synth.body import Body
 from numpy_cae.motion import Motion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Take:
     """One synthetic recording and its ground truth.
 

@@ -16,7 +16,7 @@ _BODY = (
 """_BODY: the names of `numpy_cae.motion.JOINTS` in the skeleton of a take."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Windows:
     """Windows of features and their sources.
 

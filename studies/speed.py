@@ -114,7 +114,7 @@ MIN_SECONDS = 0.03
 """MIN_SECONDS: a measurement takes at least this (s); a faster function is called several times."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Timing:
     """The seconds of one call, in each of many rounds."""
 

@@ -1,5 +1,6 @@
 """The functions of `import numpy_cae`, and how motions show themselves in a notebook."""
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -58,6 +59,38 @@ def test_a_motion_is_loaded_repaired_shown_and_saved_as_it_came_in(take, tmp_pat
     monkeypatch.setattr("webbrowser.open", opened.append)
     numpy_cae.show(motion)
     assert opened[0].startswith("file://") and opened[0].endswith(".html")
+
+
+def test_motions_and_what_is_learned_are_compared_by_identity(take):
+    motion = numpy_cae.load(take)
+    again = numpy_cae.load(take)
+    assert motion == motion and motion != again
+    assert again in [motion, again] and again not in [motion]
+    assert len({motion, again, motion}) == 2
+    assert motion.skeleton != again.skeleton
+    assert numpy_cae.manifold.starter() != numpy_cae.manifold.starter()
+    filled = numpy_cae.fill(motion, joints=["left_wrist"], frames=(3, 9))
+    assert filled == filled and hash(filled) == hash(filled)
+
+
+def dataclasses_with_arrays() -> list[tuple[str, str]]:
+    """The name and the decorator of each dataclass that has a field for an array."""
+    root = Path(numpy_cae.__file__).parents[1]
+    paths = [*(root / "numpy_cae").rglob("*.py"), *(root / "data_synth").rglob("*.py")]
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
+    decorated = []
+    for node in (node for tree in trees for node in ast.walk(tree)):
+        if isinstance(node, ast.ClassDef):
+            fields = [field for field in node.body if isinstance(field, ast.AnnAssign)]
+            if any("ndarray" in ast.unparse(field.annotation) for field in fields):
+                decorators = [ast.unparse(decorator) for decorator in node.decorator_list]
+                decorated += [(node.name, text) for text in decorators if "dataclass" in text]
+    return decorated
+
+
+@pytest.mark.parametrize(("name", "decorator"), dataclasses_with_arrays())
+def test_a_dataclass_with_arrays_is_compared_by_identity(name, decorator):
+    assert "eq=False" in decorator
 
 
 def test_filling_takes_joints_and_frames(take):

@@ -40,7 +40,7 @@ JUMP_METRES_A_SECOND_SQUARED = 72.0
 moves a joint in the time of a frame."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curve:
     """The rotations (F, 4) or translations (F, 3) of a joint of the rig.
 

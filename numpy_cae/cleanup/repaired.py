@@ -26,7 +26,7 @@ WHY = {"proposed": "not certain enough", "left": STATUSES["left"].partition(", s
 """NOT_DONE, WHY: what is said of findings of a status that were not repaired, and the reason."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Repaired:
     """A motion after a repair, and what was changed: its repr lists joints, frames and centimetres.
 

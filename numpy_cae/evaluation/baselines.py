@@ -125,7 +125,7 @@ NO_VARIANCE = 1e-11
 """Share of the largest variance below which an axis is rounding error."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PCA:
     """A fitted linear manifold.
 

@@ -76,7 +76,7 @@ def _printed(value: object, form: str) -> str:
     return "" if value is None else str(value)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Clips:
     """The true windows with which repaired windows are compared."""
 

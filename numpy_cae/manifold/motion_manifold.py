@@ -23,7 +23,7 @@ MAX_PIECES = 400
 """MAX_PIECES: the number of projected pieces that `remembering` keeps, 0.1 GB."""
 
 
-@dataclass(repr=False)
+@dataclass(repr=False, eq=False)
 class MotionManifold:
     """A trained network, and the conversion between features of motions and its input.
 

@@ -56,7 +56,7 @@ def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.
     return np.stack([hidden_units(manifold, window) for window in np.concatenate(cut)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NeighbourPrior:
     """A prior fitted to encoded motion: a random window mixed with its nearest neighbours.
 

@@ -20,7 +20,7 @@ MAX_ANGLE = 30.0
 """MAX_ANGLE: rigs differ if a bone points more than this (degrees) away from the mean."""
 
 
-@dataclass
+@dataclass(eq=False)
 class SequenceManifold:
     """A network, and the conversion between motions and its standardised clips.
 

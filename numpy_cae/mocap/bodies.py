@@ -87,7 +87,7 @@ def _require_steady(path: Path, positions: np.ndarray) -> None:
             raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP_METRES:g} m")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FileWindows:
     """Windows (N, length, 63) on the mean skeleton of the files, not normalised.
 

@@ -36,7 +36,7 @@ KEPT = (".bvh", ".amc")
 """KEPT: formats in which `FileMotion.save` keeps the text of what did not change."""
 
 
-@dataclass(frozen=True, repr=False, kw_only=True)
+@dataclass(frozen=True, repr=False, kw_only=True, eq=False)
 class FileMotion(RiggedMotion):
     """A motion that was read from a file, and everything made of it by `dataclasses.replace`.
 

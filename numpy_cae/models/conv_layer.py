@@ -17,7 +17,7 @@ WIDTH = 1.0
 """WIDTH: s of `passing_filters`, in frames (docs/lab_book/other_sources.md)."""
 
 
-@dataclass
+@dataclass(eq=False)
 class ConvLayer:
     """Filters and biases that the encoder and the decoder share ("tied" weights).
 

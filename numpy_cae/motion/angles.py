@@ -87,7 +87,7 @@ _SHORT = 1e-9
 """_SHORT: a vector shorter than this has no meaningful direction."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AngleSequence:
     """A motion in joint space.
 

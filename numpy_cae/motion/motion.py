@@ -29,7 +29,7 @@ MIN_RATE, MAX_RATE = 1.0, 10_000.0
 memory when they are resampled; no camera that records motions is faster."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Skeleton:
     """A tree of joints, parents before children; the first joint is the root.
 
@@ -147,7 +147,7 @@ class Note:
     in_doubt: bool = False
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Motion:
     """Frames of a moving skeleton.
 

@@ -36,7 +36,7 @@ class DivergedError(NumpyCaeError, ArithmeticError):
     """Training whose loss or weights are no longer finite."""
 
 
-@dataclass
+@dataclass(eq=False)
 class TrainingState:
     """Everything that the rest of a training depends on, and its loop over epochs and batches; and
     what the training has measured.

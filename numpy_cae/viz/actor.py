@@ -14,7 +14,7 @@ from numpy_cae.visible import visible
 from numpy_cae.viz.colours import CORRUPTED, PLAIN, PROJECTED, TRUTH
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Actor:
     """A motion to draw: F frames of J joints.
 

@@ -25,7 +25,7 @@ _STEP = 0.005
 """STEP: positions of joints are rounded to multiples of this (m)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curve:
     """One line of a `Chart`.
 
@@ -46,7 +46,7 @@ class Curve:
     style: str = "-"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Chart:
     """Curves over one pair of axes, as a part of a figure with sliders.
 

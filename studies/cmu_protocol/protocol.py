@@ -34,7 +34,7 @@ Fill = Callable[[np.ndarray, int], np.ndarray]
 (F, H) of the hidden columns."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Protocol:
     """The takes as the protocol's rows (F, 59), in radians and the file's unit of length."""
 

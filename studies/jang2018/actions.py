@@ -18,7 +18,7 @@ PERIODIC = ("walking", "walking_extra")
 """Actions of which jang2018 says that all samples look alike."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Action:
     """Motions of one action, split by take, whether it repeats itself, as walking does, and where
     they come from."""

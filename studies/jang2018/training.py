@@ -33,7 +33,7 @@ Curve = dict[str, np.ndarray]
 """"error" and "discrepancy" against the number of "steps", (P,) arrays."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Study:
     """A trained manifold, the action it was trained on and the curve of its training."""
 

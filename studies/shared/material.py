@@ -34,7 +34,7 @@ _BANDAI_NAMCO = "bandai"
 _UNLABELLED = "other"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LabelledTake:
     """One take and its labels, such as "walk" and "tired", which are empty where unknown."""
 
@@ -45,7 +45,7 @@ class LabelledTake:
     style: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Material:
     """Takes to train on (or to fit a baseline to) and takes to measure on.
 

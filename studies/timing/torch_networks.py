@@ -24,7 +24,7 @@ except ImportError:
 FRAMES = 160
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
     """A training step ("step"), an encoding ("encode") or a projection ("project") of windows."""
 

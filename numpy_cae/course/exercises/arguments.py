@@ -249,7 +249,7 @@ def random_directions(case: Case, rng: np.random.Generator, made: dict) -> np.nd
     return unit_rows(rng.uniform(-1.0, 1.0, (case["directions"], case["latent"])))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Matrix:
     """A x with the pullback of another matrix, or of A itself if it is right."""
 

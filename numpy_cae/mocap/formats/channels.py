@@ -15,7 +15,7 @@ _BLOCK = 1024
 """_BLOCK: the number of frames that are converted at a time, which fit in the processor's cache."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Channels:
     """The channels of one joint.
 

@@ -102,7 +102,7 @@ class Rig:
         return [self.found[joint] for joint in JOINTS if joint in self.found]
 
 
-@dataclass(frozen=True, repr=False, kw_only=True)
+@dataclass(frozen=True, repr=False, kw_only=True, eq=False)
 class RiggedMotion(Motion):
     """A motion with its rig, and everything made of it by `dataclasses.replace`.
 

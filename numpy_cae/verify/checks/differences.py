@@ -78,7 +78,7 @@ class Verdict:
     rates: tuple[float, ...] = ()  # the powers of the step with which the remainder falls
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Argument:
     """One argument x of a function, and the gradient that the pullback returned for it."""
 

@@ -162,7 +162,7 @@ def wrong_gradients(
     return problems
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Called:
     """A function, and the arguments that it is called with."""
 

@@ -82,7 +82,7 @@ def properties(name: str) -> tuple[Property, ...]:
     return find_exercise(name).properties
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Example:
     """The arguments of a case and, for an operation, the right results."""
 
