@@ -3,6 +3,7 @@
 import argparse
 import ast
 import inspect
+import io
 import json
 import platform
 import sys
@@ -18,15 +19,17 @@ import numpy as np
 import scipy
 
 import numpy_cae
-from numpy_cae.cli.shared.output import note, visible_output, working
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.viz import save_viewer
-from studies.shared.options import OPTIONS, Inputs, add_options, parameters
+from studies.shared.messages import note
+from studies.shared.options import LISTED, OPTIONS, Inputs, add_options, parameters
 from studies.shared.result import Result, data, png, report, text
 
 HERE = Path(__file__).parent
 NAMES = sorted(path.stem for path in HERE.glob("[!_]*.py"))
 """The studies, which are the modules beside this one."""
+Errors = (NumpyCaeError, ValueError, ArithmeticError, OSError)
+"""What a study raises where it cannot be run with these options or files."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -34,106 +37,139 @@ def main(argv: Sequence[str] | None = None) -> int:
     them. The exit status is 2 if none could be run."""
     words = sys.argv[1:] if argv is None else list(argv)
     names = list(takewhile(lambda word: not word.startswith("-"), words))
-    with visible_output():
-        try:
-            return _run(names, words[len(names) :]) if names else _list()
-        except (NumpyCaeError, ValueError, ArithmeticError, OSError) as error:
-            print(f"python -m studies {' '.join(names)}: {error}", file=sys.stderr)
-            return 2
+    options = words[len(names) :]
+    escape_unprintable(sys.stdout)
+    escape_unprintable(sys.stderr)
+    try:
+        if names:
+            return run_studies(names, options)
+        list_studies()
+        return 0
+    except Errors as error:
+        print(f"python -m studies {' '.join(names)}: {error}", file=sys.stderr)
+        return 2
 
 
-def _list() -> int:
+def escape_unprintable(stream: object) -> None:
+    """Print characters that the encoding of a terminal or a file lacks, such as λ, as escapes."""
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="backslashreplace")
+
+
+def list_studies() -> None:
+    """Print the name of each study and the first sentence of its docstring."""
     print("python -m studies NAME ... [options], of these; --help lists the options of a study:\n")
     for name in NAMES:
-        docstring = ast.get_docstring(ast.parse((HERE / f"{name}.py").read_text("utf-8"))) or ""
-        print(f"{name:24}{' '.join(docstring.split()).split('. ')[0].rstrip('.')}.")
-    return 0
+        module = ast.parse((HERE / f"{name}.py").read_text("utf-8"))
+        words = (ast.get_docstring(module) or "").split()
+        sentence = " ".join(words).split(". ")[0].rstrip(".")
+        print(f"{name:24}{sentence}.")
 
 
-def _run(names: list[str], words: list[str]) -> int:
-    for name in (name for name in names if name not in NAMES):
-        raise ValueError(f"no study {name}; `python -m studies` lists them")
+def run_studies(names: list[str], options: list[str]) -> int:
+    """Run the studies with these options, print their results and write them to --output."""
+    for name in names:
+        if name not in NAMES:
+            raise ValueError(f"no study {name}; `python -m studies` lists them")
     modules = {name: import_module(f"studies.{name}") for name in names}
-    parser = argparse.ArgumentParser(
-        prog=f"python -m studies {' '.join(names)}",
-        description="\n\n".join(module.__doc__ or "" for module in modules.values()),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    add_options(parser, (module.run for module in modules.values()))
-    parser.add_argument("-o", "--output", type=Path, help="folder for a report, JSON and pictures")
-    args = parser.parse_args(words)
+    args = parse(modules, options)
     inputs = Inputs(args)
     results = {}
     for name, module in modules.items():
-        result = results[name] = _measured(name, module, inputs, alone=len(names) == 1)
+        if len(names) == 1:
+            result = measure(module, inputs)
+        else:
+            result = measure_if_possible(name, module, inputs)
+        results[name] = result
         print(text(result), end="\n\n", flush=True)
     if args.output:
-        _write(results, args.output)
+        write(results, args.output)
     return 0 if any(result.tables for result in results.values()) else 2
 
 
-def _measured(name: str, module: ModuleType, inputs: Inputs, alone: bool) -> Result:
-    """The result of a study with its provenance. Where a study among others cannot be run, its
-    result has no tables and its note says why."""
+def parse(modules: dict[str, ModuleType], options: list[str]) -> argparse.Namespace:
+    """The values of the options of these studies."""
+    parser = argparse.ArgumentParser(
+        prog=f"python -m studies {' '.join(modules)}",
+        description="\n\n".join(module.__doc__ or "" for module in modules.values()),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_options(parser, [module.run for module in modules.values()])
+    parser.add_argument("-o", "--output", type=Path, help="folder for a report, JSON and pictures")
+    return parser.parse_args(options)
+
+
+def measure(module: ModuleType, inputs: Inputs) -> Result:
+    """The result of a study, with its description and its provenance."""
+    arguments = inputs.of(module.run)
+    start = time.monotonic()
+    processor_start = time.process_time()
+    result = module.run(**arguments)
+    seconds = time.monotonic() - start
+    processor_seconds = time.process_time() - processor_start
+    measured = {"time": f"{seconds:.0f} s, {processor_seconds:.0f} s of the processor"}
+    return replace(
+        result,
+        about=inspect.getdoc(module) or "",
+        provenance=result.provenance | provenance(module.run, inputs) | measured,
+    )
+
+
+def measure_if_possible(name: str, module: ModuleType, inputs: Inputs) -> Result:
+    """The result of a study; where it cannot be run, one without tables that says why."""
+    note(f"{name} is measured")
     try:
-        given = inputs.of(module.run)
-        began = time.monotonic()
-        processor = time.process_time()
-        with working(name):
-            result = module.run(**given)
+        return measure(module, inputs)
     except (NumpyCaeError, ValueError, ArithmeticError) as error:
-        if alone:
-            raise
         note(f"{name} could not be run: {error}")
         return Result(name.replace("_", " "), [], note=f"Could not be run: {error}.")
-    seconds = f"{time.monotonic() - began:.0f} s, {time.process_time() - processor:.0f} s of the "
-    about = inspect.getdoc(module) or ""
-    made = result.provenance | provenance(module.run, inputs) | {"time": f"{seconds}processor"}
-    return replace(result, about=about, provenance=made)
 
 
-def _write(results: dict[str, Result], folder: Path) -> None:
+def write(results: dict[str, Result], folder: Path) -> None:
     """Write the results as Markdown and as JSON, and each figure as a file of its own."""
     folder.mkdir(parents=True, exist_ok=True)
-    each = {name: data(result) for name, result in results.items()}
-    numbers = json.dumps(each, indent=1, default=lambda value: value.item())
+    contents = {name: data(result) for name, result in results.items()}
+    numbers = json.dumps(contents, indent=1, default=lambda value: value.item())
     (folder / "report.json").write_text(numbers, "utf-8")
     (folder / "report.md").write_text(report(results), "utf-8", errors="backslashreplace")
+    claims = []
     for result in results.values():
+        claims += result.claims
         for name, picture in result.figures.items():
             (folder / f"{name}.png").write_bytes(png(picture))
             if picture.actors:
                 save_viewer(picture.actors, folder / f"{name}.html", picture.rate)
-    claims = [claim for result in results.values() for claim in result.claims]
     confirmed = sum(bool(claim.confirmed) for claim in claims)
     print(f"{folder / 'report.md'}: {confirmed} of {len(claims)} claims confirmed")
 
 
-LISTED = 5
-"""LISTED: at most so many patterns of test takes are written."""
-
-
 def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:
-    """Data, test takes, model, the options of the study's own, seed, versions."""
-    made = vars(inputs)
-    args = vars(inputs.args)
-    given = {"data": ", ".join(folder.name for folder in args.get("data", []))}
-    if made.get("material"):
-        given["data"] += f": {inputs.material.counted()}"
-        listed = " ".join(inputs.patterns[:LISTED]) + " …" * (len(inputs.patterns) > LISTED)
-        given["test takes"] = f"{listed}, never trained on or fitted to"
-    if "manifold" in made:
+    """Data, test takes, model, the study's own options, seed, versions; as far as it has them."""
+    made_inputs = vars(inputs)
+    options = vars(inputs.args)
+    origin = {"data": ", ".join(folder.name for folder in options.get("data", []))}
+    if made_inputs.get("material"):
+        origin["data"] += f": {inputs.material.counted()}"
+        patterns = " ".join(inputs.patterns[:LISTED])
+        if len(inputs.patterns) > LISTED:
+            patterns += " …"
+        origin["test takes"] = f"{patterns}, never trained on or fitted to"
+    if "manifold" in made_inputs:
         settings = inputs.manifold.settings
-        given["model"] = args["model"].name if args["model"] else "starter model"
-        given["training"] = f"{settings.get('takes')} takes, {settings.get('windows')} windows, "
-        given["training"] += f"seed {settings.get('seed')}, {settings.get('schedule')}"
-    own = [name for name in parameters(run) if name == "seed" or name not in OPTIONS]
-    given |= {name: str(args[name]) for name in own if args.get(name) is not None}
-    given["versions"] = (
+        origin["model"] = options["model"].name if options["model"] else "starter model"
+        origin["training"] = (
+            f"{settings.get('takes')} takes, {settings.get('windows')} windows, "
+            f"seed {settings.get('seed')}, {settings.get('schedule')}"
+        )
+    for name in parameters(run):
+        is_of_this_study = name == "seed" or name not in OPTIONS
+        if is_of_this_study and options.get(name) is not None:
+            origin[name] = str(options[name])
+    origin["versions"] = (
         f"numpy_cae {numpy_cae.__version__}, NumPy {np.__version__}, SciPy {scipy.__version__}, "
         f"Python {platform.python_version()}"
     )
-    return {name: value for name, value in given.items() if value}
+    return {name: value for name, value in origin.items() if value}
 
 
 if __name__ == "__main__":

@@ -17,13 +17,13 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from data_synth import plan_takes, write_series
-from numpy_cae.cli.shared.output import note
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.manifold import MotionManifold, learn_manifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, TrainingState, recipe
 from studies import depth, sequences
 from studies.jang2018.actions import ACTIONS, synthetic_action
 from studies.shared.material import Material, read_material
+from studies.shared.messages import note
 from studies.shared.options import parameters
 from studies.shared.result import STATEMENTS, Claim, Result, Table
 

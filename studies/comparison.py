@@ -95,7 +95,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     takes = features_of(manifold, evenly(material.testing, TAKES))
     few = {name: rows[name] for name in (EQUATION_4, EUCLIDEAN, RAW_EXTREMES)}
     parts = [
-        retrieval(manifold, material.labelled("comparison needs"), rows, seed),
+        retrieval(manifold, material.labelled("comparison"), rows, seed),
         delays(few, takes),
         nearest(manifold, few, seed),
     ]

@@ -24,11 +24,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from data_synth import make_take, plan_takes, write_series
-from numpy_cae.cli.shared.output import note
 from numpy_cae.fast import accelerate
 from numpy_cae.mocap import load_motion, write_bvh
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import Motion, Skeleton
+from studies.shared.messages import note
 from studies.shared.result import Picture, Result, Table
 from studies.timing.torch_networks import FRAMES, LATENT, step
 
@@ -44,13 +44,8 @@ TAKES, MINUTES = 280, 45.0
 """Takes that are learned from, the first of so many minutes of synthetic motion."""
 READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree", "bvh": "Bvh"}
 """Packages of the index and their functions; the last two take the text of a file."""
-PROGRAM = """
-import atexit, sys
-atexit.register(lambda: print(open("/proc/self/status").read(), file=sys.stderr))
-from numpy_cae.cli import main
-sys.exit(main(sys.argv[1:]))
-"""
-"""A command of `numpy-cae` that prints its peak memory at its end (on Linux)."""
+ROOT = Path(__file__).parents[1]
+"""The folder from which `python -m studies` is run."""
 Costs = Mapping[int, tuple[float, float | None]]
 """Size to seconds, and megabytes if they were measured."""
 
@@ -76,16 +71,24 @@ def run() -> Result:
 
 def _cost(*words: object) -> tuple[float, float]:
     """Processor seconds and peak memory (MB) of a command of `numpy-cae`."""
-    argv = [sys.executable, "-c", PROGRAM, *map(str, words)]
-    process = subprocess.Popen(argv, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    command = [str(word) for word in words]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "studies.timing.peak_memory", *command],
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     with process.stderr:
-        said = process.stderr.read()
-    _, status, used = os.wait4(process.pid, 0)
+        messages = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode not in (0, 3):  # 3: nothing had to be repaired
-        raise OSError(f"{' '.join(argv[3:])} ended with status {process.returncode}")
-    note(f"{' '.join(argv[3:5])}: {used.ru_utime + used.ru_stime:.2f} s")
-    return used.ru_utime + used.ru_stime, int(re.findall(r"VmHWM:\s+(\d+)", said)[-1]) / 1e3
+        raise OSError(f"{' '.join(command)} ended with status {process.returncode}")
+    seconds = usage.ru_utime + usage.ru_stime
+    note(f"{' '.join(command[:2])}: {seconds:.2f} s")
+    kilobytes = int(re.findall(r"VmHWM:\s+(\d+)", messages)[-1])
+    return seconds, kilobytes / 1e3
 
 
 def _commands(folder: Path, takes: Path) -> Iterator[list[object]]:

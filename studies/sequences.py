@@ -10,7 +10,6 @@ pose, the first pose, and the same network without its regulariser.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation import tables as evaluated
 from numpy_cae.evaluation.tables import BY_PCA, NETWORK, SQUARED, Table
 from numpy_cae.training import SequenceSchedule, TrainingState
@@ -18,6 +17,7 @@ from studies.jang2018 import training
 from studies.jang2018.actions import Action
 from studies.jang2018.samples import COLOURS, MMD, NONE, SLICED, figure_3, regulariser, samples
 from studies.jang2018.training import Study, figure_2
+from studies.shared.messages import note
 from studies.shared.result import Claim, Result, combined
 
 MMD_WEIGHT = 0.1

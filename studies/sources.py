@@ -18,13 +18,13 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cli.shared.files import usable
 from numpy_cae.evaluation.tables import COMPLETED, GAUSSIAN, PCHIP, Repairs, clips_of
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.bodies import read_body
 from numpy_cae.training import recipe
 from studies.repair_sweep import WINDOWS, Errors, swept
+from studies.shared.material import read_takes
 from studies.shared.result import Claim, Result, Table
 
 PS = (0.5, 0.8, 0.9)
@@ -54,7 +54,7 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
 
 
 def _takes_of(folder: str | Path) -> list[np.ndarray]:
-    return [positions for _, (positions, _) in usable(find_motion_files(folder), read_body)]
+    return [positions for _, (positions, _) in read_takes(find_motion_files(folder), read_body)]
 
 
 def _errors(training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int) -> Errors:

@@ -17,11 +17,11 @@ from timeit import repeat
 
 import numpy as np
 
-from numpy_cae.cli.shared.output import note
 from numpy_cae.fast import accelerate
 from numpy_cae.fast.thread_team import blas_threads
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from studies.shared.material import Material
+from studies.shared.messages import note
 from studies.shared.result import Result, Table
 from studies.timing import torch_networks as nets
 from studies.timing.time_to_quality import sequences_to_quality, time_to_quality

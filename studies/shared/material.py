@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from numpy_cae.cli.shared.files import named_files, usable
 from numpy_cae.evaluation.tables import Clips, clips_of
-from numpy_cae.mocap.bodies import read_body
+from numpy_cae.mocap import find_motion_files
+from numpy_cae.mocap.bodies import Problem, read_body, read_each
 from numpy_cae.mocap.load import is_test, load_motion
 from numpy_cae.motion import Motion
+from studies.shared.messages import note
 
 if TYPE_CHECKING:
     from numpy_cae.manifold import MotionManifold
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 Take = TypeVar("Take")
 _BANDAI = re.compile(r"dataset-\d_(?P<content>.+)_(?P<style>[^_]+)_\d+")
 TESTING_WINDOWS = 120
-"""TESTING_WINDOWS: at most this many windows, evenly spaced; more would take minutes and hardly
+"""Studies measure on at most this many windows, evenly spaced; more would take minutes and hardly
 change the results."""
 _SYNTHETIC = "synthetic"
 _BANDAI_NAMCO = "bandai"
@@ -62,25 +63,25 @@ class Material:
 
     def of(self, source: str) -> Material:
         """The takes of one source, for training and for testing."""
-        halves = (self.training, self.testing)
-        chosen = [[take for take in half if take.source == source] for half in halves]
-        return Material(*chosen, self.reading)
+        training = [take for take in self.training if take.source == source]
+        testing = [take for take in self.testing if take.source == source]
+        return Material(training, testing, self.reading)
 
     def motion(self, take: LabelledTake) -> Motion:
         """A take in the rig of its file, at the rate of its file."""
         return load_motion(take.path, **self.reading)
 
-    def labelled(self, what: str) -> Material:
+    def labelled(self, study: str) -> Material:
         """Bandai Namco's takes if some of them are for testing, else the synthetic takes.
 
-        ValueError, which begins with `what`, if none are for training or none for testing.
+        ValueError, which names the study, if none are for training or none for testing.
         """
-        used = self.of(_BANDAI_NAMCO)
-        if not used.testing:
-            used = self.of(_SYNTHETIC)
-        if not used.testing or not used.training:
-            raise ValueError(f"{what} labelled takes, for training and for testing")
-        return used
+        takes = self.of(_BANDAI_NAMCO)
+        if not takes.testing:
+            takes = self.of(_SYNTHETIC)
+        if not takes.testing or not takes.training:
+            raise ValueError(f"{study} needs labelled takes, for training and for testing")
+        return takes
 
 
 def features_of(manifold: MotionManifold, takes: Sequence[LabelledTake]) -> list[np.ndarray]:
@@ -102,6 +103,22 @@ def testing_of(manifold: MotionManifold, material: Material) -> tuple[Clips, str
     return testing, f"Measured on {len(testing)} windows of {takes} takes not used in training."
 
 
+def read_takes(paths: Sequence[Path], read: Callable[[Path], Take]) -> Iterator[tuple[Path, Take]]:
+    """Each file that `read` can read, with what it returns; the others are noted and left out.
+
+    Raises ValueError if no file can be read.
+    """
+    unreadable = 0
+    for path, take in zip(paths, read_each(paths, read), strict=True):
+        if isinstance(take, Problem):
+            unreadable += 1
+            note(f"left out: {take}")
+        else:
+            yield path, take
+    if unreadable == len(paths):
+        raise ValueError(f"none of {unreadable} files can be read, see above")
+
+
 def read_material(
     folders: Sequence[str | Path], patterns: Sequence[str], **reading: Any
 ) -> Material:
@@ -110,18 +127,26 @@ def read_material(
     Files whose name matches one of the patterns are for testing, the others for training;
     `reading` are arguments of `numpy_cae.mocap.load_motion`.
     """
-    halves: tuple[list[LabelledTake], list[LabelledTake]] = ([], [])
-    bodies = usable(list(named_files(folders)), partial(read_body, **reading))
-    for path, (positions, _) in bodies:
-        halves[is_test(path, patterns)].append(LabelledTake(path, positions, *labels_of(path)))
-    return Material(*halves, reading)
+    paths = []
+    for folder in folders:
+        paths += find_motion_files(folder)
+    training = []
+    testing = []
+    paths = list(dict.fromkeys(paths))
+    for path, (positions, _) in read_takes(paths, partial(read_body, **reading)):
+        take = LabelledTake(path, positions, *labels_of(path))
+        if is_test(path, patterns):
+            testing.append(take)
+        else:
+            training.append(take)
+    return Material(training, testing, reading)
 
 
 def labels_of(path: Path) -> tuple[str, str, str]:
     """Source, content and style of a motion file."""
-    named = _BANDAI.fullmatch(path.stem)
-    if named:
-        return _BANDAI_NAMCO, named["content"], named["style"]
+    match = _BANDAI.fullmatch(path.stem)
+    if match:
+        return _BANDAI_NAMCO, match["content"], match["style"]
     for folder in list(path.parents)[:2]:
         table = folder / "labels.csv"
         rows = _read_labels(table) if table.is_file() else {}

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from numpy_cae import training
-from numpy_cae.cli.shared.output import note
 from numpy_cae.evaluation.tables import Clips
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold import learn_manifold
@@ -25,6 +24,7 @@ from numpy_cae.training.optimisers import BETA_2
 from numpy_cae.training.sequential import Draw, sequential_steps
 from studies.jang2018.actions import synthetic_action
 from studies.shared.material import Material, testing_of
+from studies.shared.messages import note
 from studies.shared.result import Table
 from studies.timing.torch_networks import TorchModel, TorchSequences, torch, windows
 
