@@ -118,6 +118,7 @@ def _bend_arm(
     local[f"{name}clavicle"] = collar
     local[f"{name}wrist"] = about("x", arm.pronation)
     if arm.goal is not None:
+        assert arm.goal_weight is not None
         start = chest + (trunk * collar).apply(body.offset(f"{name}humerus"))
         reaching = _reach_with_arm(body, start, trunk, arm, sign)
         shoulder = blend(shoulder, (trunk * collar).inv() * reaching[0], arm.goal_weight)
@@ -135,6 +136,7 @@ def _bend_arm(
 def _reach_with_arm(
     body: Body, shoulder: np.ndarray, trunk: Rotation, arm: Arm, sign: float
 ) -> tuple[Rotation, Rotation]:
+    assert arm.goal is not None and arm.elbow_side is not None
     side = trunk.apply(arm.elbow_side)
     hinge = np.cross(shoulder - arm.goal, side)
     elbow, wrist = reach(shoulder, arm.goal, body.upper_arm, body.forearm, hinge)

@@ -199,7 +199,7 @@ def make_body(stature: float = 1.75, spread: dict[str, float] | None = None) -> 
         spread or {}
     )
     way = {"root": np.zeros(3)}
-    parent = {"root": None}
+    parent: dict[str, str | None] = {"root": None}
     tips = {}
     for name, above, fraction in _MIDDLE:
         way[name], parent[name] = np.array(fraction) * spread["t"], above
@@ -226,7 +226,7 @@ def make_body(stature: float = 1.75, spread: dict[str, float] | None = None) -> 
     tips["head"] = np.array(_TIPS["head"])
     skeleton = Skeleton(
         names=NAMES,
-        parents=tuple(-1 if parent[n] is None else NAMES.index(parent[n]) for n in NAMES),
+        parents=(-1, *(NAMES.index(parent[name]) for name in NAMES[1:])),
         offsets=np.array([way[name] for name in NAMES]) * stature,
         end_sites={NAMES.index(name): tip * stature for name, tip in tips.items()},
     )

@@ -1,7 +1,5 @@
 """Exercises on the feet: squats and jumping jacks, every repetition slightly different."""
 
-import itertools
-
 import numpy as np
 
 from data_synth.body import SIDES, SIGN
@@ -95,14 +93,19 @@ def bounce(t: np.ndarray, flights: list[tuple[float, float]], gather: float = 0.
     height = np.zeros(len(t))
     if not flights:
         return height
-    ends = [(None, flights[0]), *itertools.pairwise(flights), (flights[-1], None)]
+    befores = [None, *flights]
+    afters = [*flights, None]
     for leave, air in flights:
         u = np.clip(t - leave, 0.0, air)
         height += _GRAVITY / 2 * u * (air - u)
-    for before, after in ends:
-        start = after[0] - gather if before is None else sum(before)
+    for before, after in zip(befores, afters, strict=True):
+        if before is None:
+            start = flights[0][0] - gather
+            fall = 0.0
+        else:
+            start = sum(before)
+            fall = -_GRAVITY / 2 * before[1]
         end = start + gather if before is None or after is None else after[0]
-        fall = 0.0 if before is None else -_GRAVITY / 2 * before[1]
         push = 0.0 if after is None else _GRAVITY / 2 * after[1]
         u, span = np.clip((t - start) / (end - start), 0.0, 1.0), end - start
         height += span * (u * (1 - u) ** 2 * fall - u**2 * (1 - u) * push)

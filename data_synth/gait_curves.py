@@ -7,6 +7,7 @@ every 5 % of the stride, from heel strike to the next heel strike of the same fo
 measured against the vertical; knee flexion and ankle dorsiflexion are positive.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,12 +68,12 @@ class FourierSeries:
         return float(self.cosines[0])
 
 
-def fourier_series(degrees: list[float], harmonics: int = 7) -> FourierSeries:
+def fourier_series(degrees: Sequence[float], harmonics: int = 7) -> FourierSeries:
     """The series through equally spaced samples of one period.
 
     Parameters
     ----------
-    degrees : list of float
+    degrees : sequence of float
     harmonics : int
         Gait needs six or seven: 99.7 % of the power of joint angles lies below the seventh
         (Winter, 2009, section 3.4.2).

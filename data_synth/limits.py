@@ -17,7 +17,11 @@ from numpy_cae.motion import Motion
 
 Angles = dict[str, np.ndarray]
 
-_TRUNK = {"forwards": (-20, 45), "left": (-30, 30), "twist": (-30, 30)}
+_TRUNK: dict[str, tuple[float, float]] = {
+    "forwards": (-20, 45),
+    "left": (-30, 30),
+    "twist": (-30, 30),
+}
 LIMITS: dict[str, dict[str, tuple[float, float]]] = {
     "femur": {"flexion": (-30, 125), "abduction": (-30, 50), "turn": (-50, 50)},
     "tibia": {"flexion": (0, 150), "other": (-0.01, 0.01)},

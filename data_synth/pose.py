@@ -4,7 +4,7 @@ Angles are in radians. Legs are given by the position of the ankle and the rotat
 arms by the angles of shoulder and elbow or by a target position of the hand.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -90,7 +90,7 @@ class Pose:
     spine: np.ndarray
     neck: np.ndarray
     legs: tuple[Leg, Leg]
-    arms: tuple[Arm, Arm] = field(default_factory=tuple)
+    arms: tuple[Arm, Arm]
 
     def __len__(self) -> int:
         return len(self.place)

@@ -106,8 +106,8 @@ class Plank:
         spine = np.stack([zero + self.hollow, self._unrest("side"), self._unrest("twist")], axis=-1)
         lift = np.radians(-24) + self._unrest("nod") + 0.15 * self.low
         neck = np.stack([lift, zero, self._unrest("look")], axis=-1)
-        arms = tuple(self._arm(side, facing) for side in (0, 1))
-        pose = Pose(place, pelvis, spine, neck, tuple(legs), arms)
+        arms = (self._arm(0, facing), self._arm(1, facing))
+        pose = Pose(place, pelvis, spine, neck, (legs[0], legs[1]), arms)
         return pose, np.ones((frames, 2), dtype=bool)
 
     def _arm(self, side: int, facing: Rotation) -> Arm:

@@ -3,7 +3,7 @@
 position(t) = ∫ speed(τ) · (sin heading(τ), cos heading(τ)) dτ
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -29,8 +29,9 @@ class Route:
     speeds: np.ndarray
     headings: np.ndarray
     start: tuple[float, float] = (0.0, 0.0)
+    _place: CubicHermiteSpline = field(init=False, repr=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         velocity = self.speeds[:, None] * np.stack(
             [np.sin(self.headings), np.cos(self.headings)], axis=-1
         )

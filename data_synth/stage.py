@@ -7,6 +7,7 @@ so on (see `Arm`), ``l.heel`` (heel raised), ``l.splay`` (knee outwards), and fo
 """
 
 from collections import defaultdict
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -51,7 +52,7 @@ class Stage:
         # Goals of the hands: fields of `Arm`.
         self.goals: list[dict] = [{}, {}]
         # A person on hands and toes, if any; it has a `place` and a `pose()`.
-        self.prone = None
+        self.prone: Any = None  # a Plank of press_ups, which imports this module
         self._rest(lively)
 
     def add(self, name: str, values: np.ndarray | float) -> None:
@@ -114,11 +115,11 @@ class Stage:
         free = np.stack([self.angles[f"{s}.free"] > 0 for s in SIDES], axis=-1)
         place = self._place()
         place[:, 1] -= self._lowering(place, pelvis, planted, flying | free)
-        legs = tuple(self._leg(side, place, pelvis, planted[side]) for side in (0, 1))
+        left, right = (self._leg(side, place, pelvis, planted[side]) for side in (0, 1))
         spine = np.stack([self._radians(n) for n in ("bend", "side", "twist")], axis=-1)
         neck = np.stack([self._radians(n) for n in ("nod", "lean", "look")], axis=-1)
-        arms = tuple(self.arm(side) for side in (0, 1))
-        return Pose(place, pelvis, spine, neck, legs, arms), ~(flying | free)
+        arms = (self.arm(0), self.arm(1))
+        return Pose(place, pelvis, spine, neck, (left, right), arms), ~(flying | free)
 
     def target_path(self) -> np.ndarray:
         """x and z of the target path, (F, 2), metres."""

@@ -17,8 +17,9 @@ def waiting(stage: Stage, seconds: float, tempo: float) -> None:
     """Repeat the three in random order until the end."""
     rng = stage.rng
     clock = rng.uniform(0.2, 1.2)
+    acts = np.array([stretch, twist_legs, rest_on_wall, lean_back], dtype=object)
     while clock < seconds:
-        for act in rng.permutation([stretch, twist_legs, rest_on_wall, lean_back]):
+        for act in rng.permutation(acts):
             if clock < seconds:
                 clock = act(stage, clock, tempo)
                 clock = _between(stage, clock, tempo)

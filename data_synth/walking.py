@@ -82,7 +82,7 @@ def walk(
     place, pelvis = gait.pelvis(t)
     legs, contacts = zip(*(gait.leg(t, side) for side in (0, 1)), strict=True)
     spine, neck = _trunk(gait, t, rng)
-    arms = tuple(_arm(gait, t, side, rng) for side in (0, 1))
+    arms = (_arm(gait, t, 0, rng), _arm(gait, t, 1, rng))
     return Pose(place, pelvis, spine, neck, legs, arms), np.stack(contacts, axis=-1)
 
 
