@@ -1,6 +1,6 @@
 """A command of `numpy-cae` that prints its process's status at its end, which has its peak memory.
 
-    python -m studies.timing.peak_memory repair take.bvh -o fixed.bvh       # on Linux
+python -m studies.timing.peak_memory repair take.bvh -o fixed.bvh       # on Linux
 """
 
 import atexit
