@@ -214,8 +214,7 @@ def setup(app) -> None:
     run_examples()
     write_commands()
     write_api()
-    students = HERE.parent / "numpy_cae" / "course" / "notebooks"
-    write_lessons(HERE.parent / "lessons", students, HERE / "lessons", write_if_changed)
+    write_lessons(HERE.parent / "lessons", HERE / "lessons", write_if_changed)
     write_example(HERE / "made", HERE / "site_files")
     app.connect("source-read", link_names)
     app.connect("html-page-context", without_empty_headings)

@@ -16,8 +16,7 @@ def site(tmp_path_factory):
     """The lessons' pages: name to text."""
     pages = {}
     folder = tmp_path_factory.mktemp("lessons")
-    students = ROOT / "numpy_cae" / "course" / "notebooks"
-    write_lessons(ROOT / "lessons", students, folder, lambda path, text: pages.update({path: text}))
+    write_lessons(ROOT / "lessons", folder, lambda path, text: pages.update({path: text}))
     return {path.name: text for path, text in pages.items()}
 
 

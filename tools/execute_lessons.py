@@ -19,14 +19,10 @@ from pathlib import Path
 from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.cells import EMPTY, FILE, with_definitions
 from numpy_cae.course.copies import (
-    MILESTONES,
-    PACKAGED,
     choose_lessons,
-    find_lessons,
-    read_notebook,
-    student_copy,
     write_notebook,
 )
+from numpy_cae.course.notebooks import MILESTONES, find_lessons, read_notebook
 from numpy_cae.verify.grading.submission import is_exercise
 
 ROOT = Path(__file__).parents[1]
@@ -139,7 +135,6 @@ def store(path: Path, executed: bool) -> None:
         notebook["metadata"]["numpy_cae"]["imports_hash"] = imports_hash(path)
         print(f"{path}: executed")
     write_notebook(notebook, path)
-    write_notebook(student_copy(notebook), PACKAGED / path.name)
 
 
 def main() -> None:

@@ -15,7 +15,8 @@ from pathlib import Path
 from PIL import Image, PngImagePlugin
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.copies import choose_lessons, number_of, read_notebook
+from numpy_cae.course.copies import choose_lessons
+from numpy_cae.course.notebooks import number_of, read_notebook
 
 TAG, MADE_OF = "gallery", "made of"
 WIDTH, HEIGHT = 480, 320  # pixels at most

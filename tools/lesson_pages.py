@@ -15,6 +15,8 @@ from html import escape
 from pathlib import Path
 from textwrap import shorten
 
+from numpy_cae.course.notebooks import find_lessons, write_student_copies
+
 TEXTS = {"title", "set_title", "suptitle", "xlabel", "ylabel", "set_xlabel", "set_ylabel", "label",
          "annotate", "text", "xticklabels", "set_xticklabels", "LiveCurve", "Actor"}  # fmt: skip
 """Names of functions and arguments of Matplotlib and `numpy_cae.viz` whose strings are shown."""
@@ -26,9 +28,7 @@ CARD = """<li><img src="../_static/{number}.png" alt="PICTURE">
 <p class="quiet">{minutes} minutes, needs {needs}</p></li>"""
 
 
-def write_lessons(
-    lessons: Path, students: Path, site: Path, write: Callable[[Path, str], None]
-) -> None:
+def write_lessons(lessons: Path, site: Path, write: Callable[[Path, str], None]) -> None:
     """Write the notebooks and their index to `site`, with `write`, a function of path and text."""
     readme = (lessons / "README.md").read_text(encoding="utf-8")
     rows, pictures = ROW.findall(readme), dict(PICTURE.findall(readme))
@@ -40,12 +40,11 @@ def write_lessons(
     listed = ["# Lessons\n", '<ul class="cards">', *cards, "</ul>\n"]
     listed += ["```{toctree}", ":maxdepth: 1", ":hidden:", ":glob:\n", "[0-9]*", "```\n"]
     write(site / "index.md", "\n".join(listed))
-    downloads = site / "downloads"
-    for source, name in ((lessons, "solved"), (students, "to_solve")):
-        (downloads / name).mkdir(parents=True, exist_ok=True)
-        for path in sorted(source.glob("[0-9]*.ipynb")):
-            shutil.copy2(path, downloads / name / path.name)
-    for path in sorted(lessons.glob("[0-9]*.ipynb")):
+    solved = site / "downloads" / "solved"
+    solved.mkdir(parents=True, exist_ok=True)
+    write_student_copies(lessons, site / "downloads" / "to_solve")
+    for path in find_lessons(lessons):
+        shutil.copy2(path, solved / path.name)
         notebook = json.loads(path.read_text(encoding="utf-8"))
         write(
             site / path.name,

@@ -18,7 +18,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.copies import choose_lessons, number_of, read_notebook
+from numpy_cae.course.copies import choose_lessons
+from numpy_cae.course.notebooks import number_of, read_notebook
 
 LESSONS = Path(__file__).parents[1] / "lessons"
 PAGE = Path(__file__).with_name("slides.html")

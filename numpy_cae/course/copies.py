@@ -1,101 +1,44 @@
-"""The students' copies of the lessons, with a stub in place of each solution.
+"""Copies of the lessons for students, written into a folder or into a release for nbgrader."""
 
-The copies are written into a folder, or into a release for nbgrader. Notebook
-files are JSON, nbformat 4.5.
-"""
-
-import json
 import re
 import zipfile
 from collections.abc import Iterator
-from copy import deepcopy
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.cells import EMPTY, FILE
-from numpy_cae.verify.grading.submission import is_exercise
+from numpy_cae.course.notebooks import (
+    BEGIN,
+    END,
+    STUB,
+    as_text,
+    find_lessons,
+    find_milestones,
+    number_of,
+    read_notebook,
+    student_copy,
+)
 
-
-def find_lessons(folder: str | Path) -> list[Path]:
-    """The lessons in a folder, such as 03_convolution_by_hand.ipynb, in their order.
-
-    Raises a FileNotFoundError if there are none.
-    """
-    lessons = sorted(Path(folder).glob("[0-9][0-9]*_*.ipynb"))
-    if not lessons:
-        where = "they are in the folder lessons of a clone of the repository"
-        raise FileNotFoundError(f"no lessons in {folder}: {where}")
-    return lessons
-
-
-def number_of(lesson: Path) -> str:
-    """03 of 03_convolution_by_hand.ipynb, 07b of 07b_better_steps.ipynb."""
-    return lesson.name.partition("_")[0]
-
-
-def read_notebook(path: str | Path) -> dict:
-    """A notebook in nbformat 4.5, each source as a single string; ValueError if it is none."""
-    try:
-        notebook = json.loads(Path(path).read_text(encoding="utf-8"))
-        for cell in notebook["cells"]:
-            cell["source"] = "".join(cell["source"])
-    except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{path}: not a Jupyter notebook: {error}") from None
-    return notebook
-
-
-def as_text(notebook: dict) -> str:
-    """The text of a notebook's file as Jupyter writes it: sources line by line, indented by one."""
-    cells = [
-        {**cell, "source": cell["source"].splitlines(keepends=True)} for cell in notebook["cells"]
-    ]
-    lined = {**notebook, "cells": cells}
-    return json.dumps(lined, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
-
-
-def write_notebook(notebook: dict, path: str | Path) -> None:
-    """Write a notebook."""
-    with atomic_write(path) as temporary:
-        temporary.write_text(as_text(notebook), encoding="utf-8")
-
-
-BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
-STUB = ("# YOUR CODE HERE", "raise NotImplementedError()")
-SOLUTION = re.compile(rf"^( *){BEGIN}\n(?:(?! *{BEGIN}).*\n)*? *{END}$", re.MULTILINE)
 PACKAGED = Path(str(files(__package__) / "notebooks"))
-"""The folder of the students' copies that are part of the package."""
+"""The folder of an installed package with the students' copies, which `setup.py` makes."""
+OF_CLONE = Path(__file__).parents[2] / "lessons"
+"""The folder of a clone with the instructor's copies."""
 STUBBED = re.compile(f"( *){STUB[0]}\n *({re.escape(STUB[1])})")
 IN_REGION = rf"\1{BEGIN}\n\1\2\n\1{END}"
 """As `nbgrader generate_assignment` wants a stub."""
-MILESTONES = "milestone_*.ipynb"
-"""MILESTONES: notebooks without exercises, which run on mine.py alone."""
 
 
-def student_copy(notebook: dict) -> dict:
-    """A copy of the notebook with a stub in place of every solution, and without outputs.
-
-    Raises ValueError if a solution region is not closed, or is in a cell that is no exercise.
-    """
-    copy = deepcopy(notebook)
-    copy["metadata"].pop("numpy_cae", None)
-    for cell in copy["cells"]:
-        if cell["cell_type"] != "code":
-            continue
-        cell |= {"outputs": [], "execution_count": None}
-        cell["source"] = _without_solutions(cell)
-        if cell["metadata"].get("nbgrader", {}).get("locked"):
-            cell["metadata"] |= {"editable": False, "deletable": False}
-    return copy
+def lessons_folder() -> Path:
+    """The folder of the lessons: in an installed package the students' copies, else the clone's."""
+    return PACKAGED if PACKAGED.is_dir() else OF_CLONE
 
 
-def _without_solutions(cell: dict) -> str:
-    source, count = SOLUTION.subn("\n".join(rf"\1{line}" for line in STUB), cell["source"])
-    if BEGIN in source or END in source:
-        raise ValueError(f"cell {cell['id']}: {BEGIN} without {END}, or the other way round")
-    if count and not is_exercise(cell):
-        raise ValueError(f"cell {cell['id']}: a solution in a cell that is no exercise")
-    return source
+@cache
+def lesson_names() -> frozenset[str]:
+    """The names of the lessons' files without their suffix."""
+    return frozenset(path.stem for path in lessons_folder().glob("*.ipynb"))
 
 
 def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:
@@ -107,22 +50,36 @@ def choose_lessons(folder: Path, numbers: list[str]) -> list[Path]:
     return [path for path in lessons if not numbers or number_of(path) in numbers]
 
 
+def write_notebook(notebook: dict, path: str | Path) -> None:
+    """Write a notebook."""
+    with atomic_write(path) as temporary:
+        temporary.write_text(as_text(notebook), encoding="utf-8")
+
+
 def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool]]:
-    """Write students' copies, the milestones beside them and mine.py; yields each file, and whether
-    it was written.
+    """Write students' copies, the milestones beside them and mine.py.
 
     An existing file is not changed.
+
+    Yields
+    ------
+    path : Path
+        Each file.
+    is_new : bool
+        Whether it was written.
     """
     if any(folder.resolve() == path.parent.resolve() for path in lessons):
         raise ValueError(f"{folder} holds the instructor's copies: name another folder")
-    sources = [*lessons, *sorted(lessons[0].parent.glob(MILESTONES))]
+    sources = [*lessons, *find_milestones(lessons[0].parent)]
     texts = {path.name: as_text(student_copy(read_notebook(path))) for path in sources}
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in {**texts, FILE: EMPTY}.items():
-        if new := not (folder / name).exists():
-            with atomic_write(folder / name) as temporary:
+        path = folder / name
+        is_new = not path.exists()
+        if is_new:
+            with atomic_write(path) as temporary:
                 temporary.write_text(text, encoding="utf-8")
-        yield folder / name, new
+        yield path, is_new
 
 
 def write_release(lessons: list[Path], path: Path) -> None:

@@ -17,7 +17,7 @@ from test_grading_and_marks import DATA, hand_in
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.cells import run_mine
-from numpy_cae.course.copies import find_lessons, number_of, read_notebook, student_copy
+from numpy_cae.course.notebooks import find_lessons, number_of, read_notebook, student_copy
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
 from numpy_cae.verify.operations.trial import failure

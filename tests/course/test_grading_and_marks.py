@@ -13,16 +13,18 @@ import pytest
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
-from numpy_cae.course.copies import PACKAGED, find_lessons, number_of, read_notebook
-from numpy_cae.course.marks.class_marks import write_feedback, write_tables
-from numpy_cae.course.marks.handed_in import find_files, handed_in
+from numpy_cae.course.marks.class_marks import ClassMarks
+from numpy_cae.course.marks.feedback_files import write_feedback
+from numpy_cae.course.marks.handed_in import HandedIn, find_files, hand_in_by_place
 from numpy_cae.course.marks.roster import read_roster
+from numpy_cae.course.notebooks import find_lessons, number_of, read_notebook, student_copy
 from numpy_cae.verify.grading.student_file import FileReport, grade
 from numpy_cae.visible import visible
 
 ANSWERS = Path(__file__).with_name("answers.txt").read_text("utf-8")
 ENCODE, TANH, SPEEDS, LOOPS, WRONG, OWN_CONV1D = ANSWERS.split("\n\n\n")
 DATA = json.loads(Path(__file__).with_name("classes.json").read_text("utf-8"))
+LESSON_FILES = Path(__file__).parents[2] / "lessons"
 IN_NO_EXERCISE = {"sliced_wasserstein"}  # project 5 of lesson 14
 
 
@@ -93,7 +95,7 @@ def copied(cells, place):
 
 @pytest.mark.parametrize("change", [answered_below, without_metadata, copied])
 def test_what_the_notebook_accepts_the_grader_accepts(change, tmp_path, forked_grading):
-    notebook = read_notebook(PACKAGED / "07_going_deep.ipynb")
+    notebook = student_copy(read_notebook(LESSON_FILES / "07_going_deep.ipynb"))
     ids = [cell["metadata"].get("nbgrader", {}).get("grade_id") for cell in notebook["cells"]]
     change(notebook["cells"], ids.index("frames_seen"))
     path = tmp_path / "07_going_deep.ipynb"
@@ -103,9 +105,7 @@ def test_what_the_notebook_accepts_the_grader_accepts(change, tmp_path, forked_g
     assert graded.copied == ("frames_seen",) * (change is copied)
 
 
-@pytest.mark.parametrize(
-    "path", find_lessons(Path(__file__).parents[2] / "lessons"), ids=lambda path: path.stem
-)
+@pytest.mark.parametrize("path", find_lessons(LESSON_FILES), ids=lambda path: path.stem)
 def test_every_operation_that_a_lesson_imports_is_given(path):
     imported = {
         alias.name
@@ -119,11 +119,11 @@ def test_every_operation_that_a_lesson_imports_is_given(path):
     assert imported - IN_NO_EXERCISE <= given
 
 
-@pytest.mark.parametrize(("place", "student", "called", "lesson"), DATA["places"])
-def test_a_student_is_told_by_the_folder_or_the_name(place, student, called, lesson):
-    found = handed_in(Path("in", place), PurePosixPath(place))
-    assert (found.student, [*found.called], found.lesson) == (student, called, lesson)
-    assert found.is_late == ("LATE" in place)
+@pytest.mark.parametrize(("place", "student", "names", "lesson"), DATA["places"])
+def test_a_student_is_told_by_the_folder_or_the_name(place, student, names, lesson):
+    file = hand_in_by_place(Path("in", place), PurePosixPath(place))
+    assert (file.student, [*file.names], file.lesson) == (student, names, lesson)
+    assert file.is_late == ("LATE" in place)
 
 
 def test_a_students_folder_is_one_student_and_zip_files_are_opened(tmp_path, monkeypatch):
@@ -177,10 +177,12 @@ def test_marks_and_feedback_of_a_class(tmp_path, capsys):
 def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
     students = ["a!", "a__1", "a_.1", "Eve", "eve", os.fsdecode(b"caf\xe9"), "n" * 250, "é" * 125]
     report = FileReport(Path(os.fsdecode(b"\xe9.py")), faults=["\ud800"])
-    graded = {student: [report] for student in students}
-    write_feedback(tmp_path / "feedback", graded)
+    files = [HandedIn(report.path, student, (student,)) for student in students]
+    reports = [report] * len(students)
+    marks = ClassMarks(files, None, None)
+    write_feedback(tmp_path / "feedback", marks.by_student(reports))
     assert len(list((tmp_path / "feedback").glob("*.md"))) == len(students)
-    write_tables(tmp_path / "marks.csv", graded)
+    marks.write_tables(tmp_path / "marks.csv", reports)
     text = (tmp_path / "marks.csv").read_text(encoding="utf-8")
     assert len(text.splitlines()) == 2 + len(students) and "caf\\udce9" in text
 
@@ -211,7 +213,7 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     assert (imported.encoding, imported.delimiter) == (encoding, read_roster(roster).delimiter)
     marks = [(row["Lesson 05"], row["Lesson 07"]) for row in imported.students.values()]
     assert marks == [("0", "0"), ("0", "0"), ("10", "0")]
-    possible = [row["Lesson 05"] for row in imported.others if "Possible" in row["Student"]]
+    possible = [row["Lesson 05"] for row in imported.other_rows if "Possible" in row["Student"]]
     assert possible == ["90"] * (system == "canvas")
     failed = rows_of(tmp_path / "marks_statistics.csv")["frames_seen"]
     assert (failed["property"], failed["handed in"], failed["failed"]) == ("value", "2", "1")
@@ -230,15 +232,10 @@ def test_an_import_that_would_be_wrong_is_refused_and_says_why(tmp_path, capsys,
     submitted, roster = tmp_path / "in", tmp_path / "class.csv"
     hand_in(submitted / "ann.ipynb", LOOPS), hand_in(submitted / "bob.ipynb", LOOPS)
     command = ["verify", str(submitted), "--csv", str(tmp_path / "m.csv"), "--feedback"]
-    command += [str(tmp_path / "feedback"), "--similar", "--roster", str(roster)]
+    command += [str(tmp_path / "feedback"), "--roster", str(roster)]
     for listed, said in DATA["refused"]:
         roster.write_text(listed.replace("LONG", 200_000 * "x"))
         assert main(command) == 2 and said in capsys.readouterr().err
-    hand_in(submitted / "bob.ipynb", ENCODE)
-    renamed = ENCODE.replace("back", "b").replace("pool", "p").replace("convolve", "c")
-    hand_in(submitted / "ann.ipynb", f"# mine\n{renamed}"), hand_in(submitted / "eve.ipynb", LOOPS)
-    assert main(["verify", str(submitted), "--similar"]) == 1
-    assert capsys.readouterr().out.endswith("%  ann  bob\n")
     assert (tmp_path / "feedback" / "ann.md").exists()
     assert not (tmp_path / "m_import.csv").exists()
     assert main(["verify", str(submitted), "--roster", str(roster)]) == 2

@@ -25,7 +25,13 @@ from PIL import Image
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.catalogue import LESSONS as EXERCISES_OF
-from numpy_cae.course.copies import MILESTONES, find_lessons, number_of, read_notebook, student_copy
+from numpy_cae.course.notebooks import (
+    MILESTONES,
+    find_lessons,
+    number_of,
+    read_notebook,
+    student_copy,
+)
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
 from tools.exam import exam

@@ -8,7 +8,8 @@ import pytest
 from test_grading_and_marks import DATA
 
 from numpy_cae.cli import main
-from numpy_cae.course.copies import find_lessons, read_notebook, student_copy, write_notebook
+from numpy_cae.course.copies import write_notebook
+from numpy_cae.course.notebooks import find_lessons, read_notebook, student_copy
 
 LESSONS = find_lessons(Path(__file__).parents[2] / "lessons")
 HEAD = 'def double(x):\n    """Twice x."""\n    '
@@ -61,12 +62,11 @@ def test_what_the_command_cannot_do_is_said_in_a_line(words, said, tmp_path, mon
     assert said in error and len(error.splitlines()) == 1
 
 
-def test_the_package_has_the_students_copies_of_all_lessons(tmp_path):
+def test_the_command_writes_the_students_copies_of_all_lessons(tmp_path):
     assert main(["lessons", str(tmp_path)]) == 0
     assert [path.name for path in find_lessons(tmp_path)] == [path.name for path in LESSONS]
     for path in LESSONS[0].parent.glob("*.ipynb"):
-        again = "python -m tools.execute_lessons --store writes the package's copies"
-        assert read_notebook(tmp_path / path.name) == student_copy(read_notebook(path)), again
+        assert read_notebook(tmp_path / path.name) == student_copy(read_notebook(path))
 
 
 def test_a_release_is_laid_out_for_nbgrader_and_holds_no_solution(tmp_path):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from numpy_cae.course.copies import find_lessons
+from numpy_cae.course.notebooks import find_lessons
 
 ROOT = Path(__file__).parents[2]
 LESSONS = find_lessons(ROOT / "lessons")

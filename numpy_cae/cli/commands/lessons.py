@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     release = "write a release for nbgrader of the lessons with these numbers (default: all)"
     add("--release", nargs="+", metavar=("FILE.zip", "NN"), help=release)
     source = "folder of the lessons (default: the package's)"
-    add("--from", dest="source", default=copies.PACKAGED, **arguments.FOLDER, help=source)
+    add("--from", dest="source", default=copies.lessons_folder(), **arguments.FOLDER, help=source)
     add("--only", metavar="NN", help="number of the only lesson to process")
 
 

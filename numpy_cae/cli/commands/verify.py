@@ -54,7 +54,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--csv", **file, help="table of marks to write, a row for each student, with statistics")
     add("--roster", **file, help="table of the students, from Moodle or Canvas (with --csv)")
     add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")
-    add("--similar", **arguments.FLAG, help="list pairs that are alike, which proves nothing")
     add("--feedback", **arguments.FOLDER, help="write each student's reports to this folder")
 
 
@@ -79,7 +78,8 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     """Grade the files, write what the options name, and print the reports or who has which."""
     from numpy_cae.cli.shared.output import with_progress
     from numpy_cae.course import catalogue
-    from numpy_cae.course.marks.class_marks import ClassMarks, write_feedback
+    from numpy_cae.course.marks.class_marks import ClassMarks
+    from numpy_cae.course.marks.feedback_files import write_feedback
     from numpy_cae.verify.grading.student_file import FileReport, grade
 
     marks = ClassMarks(files, args.roster, args.late)
@@ -98,8 +98,6 @@ def _graded(args: argparse.Namespace, files: list) -> int:
         print("\n".join(marks.lines(graded)))
     else:
         print("\n\n".join(str(report) for report in graded))
-    if args.similar:
-        print("\n".join(marks.similar()))
     if args.feedback:
         write_feedback(args.feedback, marks.by_student(graded))
     if args.csv:

@@ -15,91 +15,137 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from numpy_cae.course.catalogue import ASSIGNMENTS
-from numpy_cae.course.copies import PACKAGED
+from numpy_cae.course.copies import lesson_names
 
 SUFFIXES = (".py", ".ipynb")
 ZIP = ".zip"
 MOST_FILES = 2000
-"""MOST_FILES: a zip file may hold so many files."""
+"""A zip file may hold so many files."""
 MOST_BYTES = 2**28
-"""MOST_BYTES: the files of a zip file may have so many bytes together, unpacked."""
+"""The files of a zip file may have so many bytes together, unpacked."""
 DEEPEST = 2
-"""DEEPEST: a zip file in a zip file is opened, and none in that."""
+"""A zip file in a zip file is opened, and none in that."""
 UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
-"""UNPACKED: other methods may unpack a small entry at once to more than the memory holds."""
+"""Other methods may unpack a small entry at once to more than the memory holds."""
 MOODLE = re.compile(r"(?P<name>.+?)_(?P<number>\d+)_assignsubmission_[a-z]+_?(?P<file>.*)")
 CANVAS = re.compile(r"(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+_(?P<file>.+)")
 COPY = re.compile(r"(-Copy\d+|-\d+| ?\(\d+\))+$")
-"""COPY: what Jupyter, Canvas and browsers add to the name of a file that exists."""
-OWN_NAMES = frozenset(path.stem for path in PACKAGED.glob("*.ipynb"))
-"""OWN_NAMES: the names of the lessons' files, in which there is no student's name."""
-
-Found = tuple[Path, PurePosixPath, str]
-"""A file, its place in the folder of the class, and what is wrong with it."""
+"""What Jupyter, Canvas and browsers add to the name of a file that exists."""
 
 
 @dataclass(frozen=True)
 class HandedIn:
-    """A file and who handed it in; `called` are all names and numbers that may be the student's.
+    """A file and who handed it in.
 
-    `fault` says why a file cannot be graded.
+    Attributes
+    ----------
+    path : Path
+    student : str
+        The student's name in the table of marks if there is no roster.
+    names : tuple of str
+        All names and numbers that may be the student's.
+    lesson : str
+        The lesson that the file's name begins or ends with, or "".
+    is_late : bool
+        Whether Canvas says so in the file's name.
+    fault : str
+        Why the file cannot be graded, or "".
     """
 
     path: Path
     student: str
-    called: tuple[str, ...]
+    names: tuple[str, ...]
     lesson: str = ""
     is_late: bool = False
     fault: str = ""
 
 
+@dataclass(frozen=True)
+class ListedFile:
+    """A file, its place in the folder of the class, and what is wrong with it, or ""."""
+
+    path: Path
+    place: PurePosixPath
+    fault: str = ""
+
+
 def find_files(path: Path, unpacked: Path) -> Iterator[HandedIn]:
     """The files below a path; what is in a zip file is written to the folder `unpacked`."""
-    is_class = path.is_dir() or path.suffix == ZIP
-    found = list(_inside(path, unpacked)) if is_class else [(path, _place(path.name), "")]
-    of_one = any(len(place.parts) == 1 and _is_lesson(place.stem) for _, place, _ in found)
-    for file, place, fault in found:
-        is_linked = is_class and file.is_symlink()
-        fault = fault or "it is a link to another file" * is_linked
-        yield handed_in(file, place, _place(path.stem).name if of_one and is_class else "", fault)
+    if not path.is_dir() and path.suffix != ZIP:
+        yield hand_in_by_place(path, _as_place(path.name))
+        return
+    files = list(_files_inside(path, unpacked))
+    student = ""
+    if any(len(file.place.parts) == 1 and _is_lesson(file.place.stem) for file in files):
+        student = _as_place(path.stem).name  # the folder is of one student
+    for file in files:
+        fault = file.fault
+        if not fault and file.path.is_symlink():
+            fault = "it is a link to another file"
+        yield hand_in_by_place(file.path, file.place, student, fault)
 
 
-def handed_in(file: Path, place: PurePosixPath, student: str = "", fault: str = "") -> HandedIn:
-    """The file at a place of a class's folder; `student` is given where the folder is of one."""
+def hand_in_by_place(
+    file: Path, place: PurePosixPath, student: str = "", fault: str = ""
+) -> HandedIn:
+    """The file at a place of a class's folder, with who handed it in.
+
+    Parameters
+    ----------
+    file : Path
+    place : PurePosixPath
+        The path within the folder of the class.
+    student : str, optional
+        The student, where the folder is that of one student.
+    fault : str, optional
+        Why the file cannot be graded.
+    """
     folder = place.parts[0]
     name = COPY.sub("", place.stem)
     label = folder if len(place.parts) > 1 else name
-    known = MOODLE.fullmatch(label) or CANVAS.fullmatch(label)
-    if known and not student:
-        parts = known.groupdict()
+    downloaded = MOODLE.fullmatch(label) or CANVAS.fullmatch(label)
+    if downloaded and not student:
+        parts = downloaded.groupdict()
         name = parts["file"] if label == name else name
-        called = (parts["number"], parts["name"])
-        whose = f"{parts['name']} {parts['number']}"
-        return HandedIn(file, whose, called, _lesson(name), bool(parts.get("late")), fault)
+        names = (parts["number"], parts["name"])
+        student = f"{parts['name']} {parts['number']}"
+        return HandedIn(file, student, names, _lesson_of(name), bool(parts.get("late")), fault)
     if len(place.parts) == 1 and not student:
-        label = re.sub(rf"^\d\db?_|_{_lesson(name) or '-'}$", "", name) or name
-        student = file.absolute().parent.name if _is_lesson(name) else label
+        if _is_lesson(name):
+            student = file.absolute().parent.name
+        else:
+            student = _without_lesson(name)
     student = student or folder
-    return HandedIn(file, student, (student,), _lesson(name), fault=fault)
+    return HandedIn(file, student, (student,), _lesson_of(name), fault=fault)
 
 
-def _place(path: str | Path) -> PurePosixPath:
+def _without_lesson(name: str) -> str:
+    """The name of a file without the number of the lesson: ann of ann_03 and of 03_ann."""
+    lesson = _lesson_of(name) or "-"
+    return re.sub(rf"^\d\db?_|_{lesson}$", "", name) or name
+
+
+def _as_place(path: str | Path) -> PurePosixPath:
     """A path as text: names of files are UTF-8 even where the locale has another encoding."""
     text = os.fsencode(path).decode("utf-8", "surrogateescape")
     return PurePosixPath(text.replace(os.sep, "/"))
 
 
 def _is_lesson(stem: str) -> bool:
-    return COPY.sub("", stem) in OWN_NAMES
+    """Whether a file has the name of a lesson, in which there is no student's name."""
+    return COPY.sub("", stem) in lesson_names()
 
 
-def _lesson(name: str) -> str:
+def _lesson_of(name: str) -> str:
     """The lesson at the beginning or the end of a name, or ""."""
     parts = name.split("_")
-    return next((each for each in (parts[0], parts[-1]) if each in ASSIGNMENTS), "")
+    for part in (parts[0], parts[-1]):
+        if part in ASSIGNMENTS:
+            return part
+    return ""
 
 
-def _inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[Found]:
+def _files_inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[ListedFile]:
     """Each file in a folder or a zip file; hidden folders and every mine.py are left out."""
     folder = path
     if not path.is_dir():
@@ -107,16 +153,18 @@ def _inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[Found]:
         try:
             _unzip(path, folder)
         except Exception as error:  # zipfile raises many types, and zlib's own
-            yield path, _place(path.name), f"the zip file is not opened: {error}"
+            fault = f"the zip file is not opened: {error}"
+            yield ListedFile(path, _as_place(path.name), fault)
             return
     for file in sorted(folder.rglob("*")):
-        place = _place(file.relative_to(folder))
-        hidden = any(part.startswith((".", "__")) for part in place.parts)
-        if place.suffix == ZIP and not hidden and depth < DEEPEST:
-            for inner, below, fault in _inside(file, unpacked, depth + 1):
-                yield inner, place.with_suffix("") / below, fault
-        elif place.suffix in SUFFIXES and place.name != "mine.py" and not hidden:
-            yield file, place, ""
+        place = _as_place(file.relative_to(folder))
+        if any(part.startswith((".", "__")) for part in place.parts):
+            continue
+        if place.suffix == ZIP and depth < DEEPEST:
+            for inner in _files_inside(file, unpacked, depth + 1):
+                yield ListedFile(inner.path, place.with_suffix("") / inner.place, inner.fault)
+        elif place.suffix in SUFFIXES and place.name != "mine.py":
+            yield ListedFile(file, place)
 
 
 def _unzip(path: Path, folder: Path) -> None:
@@ -125,15 +173,15 @@ def _unzip(path: Path, folder: Path) -> None:
     No entry unpacks to more bytes than it declares, and those that are deflated do so bit by bit.
     """
     with zipfile.ZipFile(path) as packed:
-        entries = [each for each in packed.infolist() if not each.is_dir()]
+        entries = [entry for entry in packed.infolist() if not entry.is_dir()]
         if len(entries) > MOST_FILES:
             raise ValueError(f"it holds more than {MOST_FILES} files")
-        kept = [each for each in entries if Path(each.filename).suffix in (*SUFFIXES, ZIP)]
-        if sum(each.file_size for each in kept) > MOST_BYTES:
+        needed = [entry for entry in entries if Path(entry.filename).suffix in (*SUFFIXES, ZIP)]
+        if sum(entry.file_size for entry in needed) > MOST_BYTES:
             raise ValueError(f"its files are larger than {MOST_BYTES // 2**20} MB")
-        if {each.compress_type for each in kept} - UNPACKED:
+        if {entry.compress_type for entry in needed} - UNPACKED:
             raise ValueError("only files that are stored or deflated are unpacked")
-        for entry in kept:
+        for entry in needed:
             name = entry.filename.replace("\\", "/").encode("utf-8", "surrogateescape")
             entry.filename = os.fsdecode(name)
             packed.extract(entry, folder)
