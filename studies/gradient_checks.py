@@ -21,12 +21,12 @@ import numpy as np
 from numpy_cae import verify
 from numpy_cae.verify import check_gradients
 from numpy_cae.verify.checks.call import leaves, rebuilt
-from studies.gradients.bugs import LAYERS, Bug, bugs
 from studies.gradients.cases import RIGHT, WRONG
+from studies.gradients.published import PublishedOperation, historical_bugs, layers
 from studies.shared.result import Result, Table
 
 
-def by_numpy_cae(f: Callable, inputs: tuple) -> bool:
+def passes_check_gradients(f: Callable, inputs: tuple) -> bool:
     try:
         check_gradients(f, *inputs)
     except (AssertionError, TypeError):  # a TypeError says that it cannot be checked
@@ -34,7 +34,7 @@ def by_numpy_cae(f: Callable, inputs: tuple) -> bool:
     return True
 
 
-def by_torch(f: Callable, inputs: tuple) -> bool:
+def passes_gradcheck(f: Callable, inputs: tuple) -> bool:
     import torch
 
     class Wrapped(torch.autograd.Function):
@@ -42,23 +42,25 @@ def by_torch(f: Callable, inputs: tuple) -> bool:
         def forward(context, *tensors):
             value, context.pullback = f(*(t.detach().numpy() for t in tensors))
             parts = value if isinstance(value, tuple) else (value,)
-            made = tuple(torch.from_numpy(np.array(part)) for part in parts)
-            return made if isinstance(value, tuple) else made[0]
+            tensors = tuple(torch.from_numpy(np.array(part)) for part in parts)
+            return tensors if isinstance(value, tuple) else tensors[0]
 
         @staticmethod
         def backward(context, *dys):
-            given = [dy.detach().numpy() for dy in dys]
-            pulled = context.pullback(tuple(given) if len(given) > 1 else given[0])
+            upstream = [dy.detach().numpy() for dy in dys]
+            pulled = context.pullback(tuple(upstream) if len(upstream) > 1 else upstream[0])
             pulled = pulled if isinstance(pulled, tuple) else (pulled,)
             gradients = [torch.from_numpy(np.array(gradient)) for gradient in pulled]
             return (*gradients, *[None] * (len(inputs) - len(gradients)))
 
     tensors = [torch.from_numpy(np.array(x)) for x in inputs]
-    tensors = [t.requires_grad_() if t.is_floating_point() else t for t in tensors]
+    for tensor in tensors:
+        if tensor.is_floating_point():
+            tensor.requires_grad_()
     return torch.autograd.gradcheck(Wrapped.apply, tensors, raise_exception=False)
 
 
-def by_jax(f: Callable, inputs: tuple) -> bool:
+def passes_jax(f: Callable, inputs: tuple) -> bool:
     import jax
     from jax.test_util import check_grads
 
@@ -66,14 +68,14 @@ def by_jax(f: Callable, inputs: tuple) -> bool:
     value = f(*inputs)[0]
     shapes = jax.tree.map(lambda y: jax.ShapeDtypeStruct(np.shape(y), np.asarray(y).dtype), value)
     floats = [x for x in inputs if np.issubdtype(x.dtype, np.floating)]
-    others = inputs[len(floats) :]
+    constants = inputs[len(floats) :]
 
     def value_of(*arrays):
-        return f(*map(np.array, arrays), *others)[0]
+        return f(*map(np.array, arrays), *constants)[0]
 
     def pulled(dy, *arrays):
-        made = f(*map(np.array, arrays), *others)[1](jax.tree.map(np.array, dy))
-        return made[: len(arrays)] if isinstance(made, tuple) else (made,)
+        gradients = f(*map(np.array, arrays), *constants)[1](jax.tree.map(np.array, dy))
+        return gradients[: len(arrays)] if isinstance(gradients, tuple) else (gradients,)
 
     @jax.custom_vjp
     def wrapped(*arrays):
@@ -94,25 +96,25 @@ def by_jax(f: Callable, inputs: tuple) -> bool:
     return True
 
 
-def by_autograd(f: Callable, inputs: tuple) -> bool:
+def passes_autograd(f: Callable, inputs: tuple) -> bool:
     from autograd.builtins import tuple as boxed_tuple
     from autograd.extend import defvjp, primitive
     from autograd.test_util import check_grads
 
     floats = [x for x in inputs if np.issubdtype(x.dtype, np.floating)]
-    others = inputs[len(floats) :]
+    constants = inputs[len(floats) :]
     is_tuple = isinstance(f(*inputs)[0], tuple)
 
     @primitive
     def wrapped(*arrays):
-        value = f(*arrays, *others)[0]
+        value = f(*arrays, *constants)[0]
         return boxed_tuple(value) if is_tuple else value
 
     def pulled(i: int) -> Callable:
         def of(value, *arrays):
             def pullback(dy):
-                made = f(*arrays, *others)[1](dy)
-                return made[i] if isinstance(made, tuple) else made
+                gradients = f(*arrays, *constants)[1](dy)
+                return gradients[i] if isinstance(gradients, tuple) else gradients
 
             return pullback
 
@@ -140,20 +142,23 @@ def with_arrays(f: Callable, inputs: tuple) -> tuple[Callable, tuple]:
 
 
 CHECKS = {
-    "check_gradients": by_numpy_cae,
-    "gradcheck": by_torch,
-    "jax": by_jax,
-    "autograd": by_autograd,
+    "check_gradients": passes_check_gradients,
+    "gradcheck": passes_gradcheck,
+    "jax": passes_jax,
+    "autograd": passes_autograd,
 }
 
 
-def by_properties(f: Callable, bug: Bug) -> bool:
+def has_properties(f: Callable, published: PublishedOperation) -> bool:
     """Whether every property holds; nothing but the shapes and the domain is known of f.
 
     Small projects do not promise to keep float32.
     """
-    options = {"skip": ("dtype",) if bug.is_layer else (), "dtypes": bug.dtypes}
-    for stated in verify.properties_of(f, bug.shapes, values=bug.ranges, **options):
+    skip = ("dtype",) if published.is_layer else ()
+    properties = verify.properties_of(
+        f, published.shapes, values=published.ranges, skip=skip, dtypes=published.dtypes
+    )
+    for stated in properties:
         try:
             verify.check_property(stated, f)
         except AssertionError:
@@ -161,7 +166,7 @@ def by_properties(f: Callable, bug: Bug) -> bool:
     return True
 
 
-def by_ones(f: Callable, inputs: tuple) -> bool:
+def passes_with_ones(f: Callable, inputs: tuple) -> bool:
     """Stanford's CS231n: `eval_numerical_gradient_array(f, x, df)` with ones for df.
 
     The differences, with steps of 1e-5, are those of the sum of the outputs. (The notebooks of the
@@ -174,29 +179,35 @@ def by_ones(f: Callable, inputs: tuple) -> bool:
     for x, gradient in zip(inputs, gradients, strict=True):
         numeric = np.zeros_like(x)
         for entry in np.ndindex(x.shape):
-            kept = x[entry]
-            x[entry] = kept + 1e-5
+            value = x[entry]
+            x[entry] = value + 1e-5
             ahead = np.copy(f(*inputs)[0])
-            x[entry] = kept - 1e-5
+            x[entry] = value - 1e-5
             behind = np.copy(f(*inputs)[0])
-            x[entry] = kept
+            x[entry] = value
             numeric[entry] = np.sum((ahead - behind) * df) / 2e-5
         if numeric.shape != gradient.shape or not np.allclose(numeric, gradient):
             return False
     return True
 
 
-ON_BUGS: dict[str, Callable] = {"properties": by_properties, **CHECKS, "all ones": by_ones}
-"""The checks that are tried on the wrong gradients of libraries: also the properties of
+CHECKS_OF_PUBLISHED: dict[str, Callable] = {
+    "properties": has_properties,
+    **CHECKS,
+    "all ones": passes_with_ones,
+}
+"""The checks that are tried on published operations: also the properties of
 `verify.properties_of`, and differences of the sum of the outputs."""
 
 
-def verdict(check: str, bug: Bug, fixed: bool) -> bool | None:
-    """Whether a check accepts a version of a bug's operation; None if it is not installed."""
-    f = bug.function(fixed)
+def accepts(check: str, published: PublishedOperation, fixed: bool) -> bool | None:
+    """Whether a check accepts a version of an operation; None if the check is not installed."""
+    f = published.version(fixed)
     np.random.seed(0)  # noqa: NPY002 (autograd draws from it)
     try:
-        return ON_BUGS[check](f, bug if check == "properties" else bug.inputs())
+        if check == "properties":
+            return has_properties(f, published)
+        return CHECKS_OF_PUBLISHED[check](f, published.inputs())
     except ImportError:
         return None
     except Exception:
@@ -204,75 +215,91 @@ def verdict(check: str, bug: Bug, fixed: bool) -> bool | None:
 
 
 def run() -> Result:
-    """Try every check on every function and every bug."""
+    """Try every check on every function, every layer and every historical bug."""
     warnings.simplefilter("ignore")
-    return Result("Checks of gradients", [_on_functions(), _on_layers(), *_on_bugs()])
+    return Result("Checks of gradients", [try_functions(), try_layers(), *try_bugs()])
 
 
-def _on_functions() -> Table:
+def try_functions() -> Table:
     """A row for each function, and how often each check was right."""
     rows = []
     for word, cases in (("right", RIGHT), ("wrong", WRONG)):
         for name, case in cases.items():
-            verdicts = (judged(check, case, word == "right") for check in CHECKS.values())
+            verdicts = [judge(check, case, word == "right") for check in CHECKS.values()]
             rows.append([name, word, *verdicts])
-    return _counted("function", list(CHECKS), rows)
+    return count_right("function", list(CHECKS), rows)
 
 
-def _on_layers() -> Table:
+def try_layers() -> Table:
     """A row for each layer of a small project, in the version that the project has."""
     rows = []
-    for layer in bugs(LAYERS):
-        said = [verdict(check, layer, fixed=False) for check in ON_BUGS]
-        words = {layer.is_right: "right", not layer.is_right: "false alarm", None: "not installed"}
-        words |= {} if layer.is_right else {True: "missed"}
-        project, operation, thread = (layer.fields[n] for n in ("project", "operation", "thread"))
+    for layer in layers():
+        verdicts = []
+        for check in CHECKS_OF_PUBLISHED:
+            accepted = accepts(check, layer, fixed=False)
+            if accepted is None:
+                verdicts.append("not installed")
+            else:
+                verdicts.append(verdict(accepted, layer.is_right))
         word = "right" if layer.is_right else "wrong"
-        rows.append([f"[{project}, {operation}]({thread})", word, *(words[each] for each in said)])
-    return _counted("layer", list(ON_BUGS), rows)
+        link = f"[{layer.project}, {layer.operation}]({layer.thread})"
+        rows.append([link, word, *verdicts])
+    return count_right("layer", list(CHECKS_OF_PUBLISHED), rows)
 
 
-def _counted(what: str, checks: list[str], rows: list[list[str]]) -> Table:
+def count_right(heading: str, checks: list[str], rows: list[list[str]]) -> Table:
     """A table of verdicts, whose last row has how many of them were right."""
-    counts = [sum(row[2 + i] == "right" for row in rows) for i in range(len(checks))]
-    last = [f"right of {len(rows)}", "", *(count or "not installed" for count in counts)]
-    return Table("", [what, "pullback", *checks], [*rows, last])
+    counts = []
+    for column in range(2, 2 + len(checks)):
+        count = sum(row[column] == "right" for row in rows)
+        counts.append(count or "not installed")
+    last = [f"right of {len(rows)}", "", *counts]
+    return Table("", [heading, "pullback", *checks], [*rows, last])
 
 
-def _on_bugs() -> list[Table]:
+def try_bugs() -> list[Table]:
     """A row for each bug, with the checks that miss it, and what each check found and refused."""
-    found = dict.fromkeys(ON_BUGS, 0)
-    refused = dict.fromkeys(ON_BUGS, 0)
+    bugs = historical_bugs()
+    number_found = dict.fromkeys(CHECKS_OF_PUBLISHED, 0)
+    number_refused = dict.fromkeys(CHECKS_OF_PUBLISHED, 0)
     rows = []
-    every = bugs()
-    for bug in every:
-        missed = []
-        for check in ON_BUGS:
-            accepted = verdict(check, bug, fixed=False)
-            missed += [check] if accepted else []
-            found[check] += accepted is False
-            refused[check] += verdict(check, bug, fixed=True) is False
-        project, thread, fix = (bug.fields[name] for name in ("project", "thread", "fix"))
-        links = f"[{project}, {bug.fields['operation']}]({thread}) ([fix]({fix}))"
-        rows.append([links, bug.fields["mistake"], ", ".join(missed)])
-    of = f"of {len(every)}"
-    header = ["check", f"wrong ones found, {of}", f"right ones refused, {of}"]
-    counts = [[name, found[name] or "not installed", refused[name]] for name in ON_BUGS]
+    for bug in bugs:
+        missed_by = []
+        for check in CHECKS_OF_PUBLISHED:
+            accepted = accepts(check, bug, fixed=False)
+            if accepted:
+                missed_by.append(check)
+            if accepted is False:
+                number_found[check] += 1
+            if accepts(check, bug, fixed=True) is False:
+                number_refused[check] += 1
+        links = f"[{bug.project}, {bug.operation}]({bug.thread}) ([fix]({bug.fix}))"
+        rows.append([links, bug.mistake, ", ".join(missed_by)])
+    of_all = f"of {len(bugs)}"
+    header = ["check", f"wrong ones found, {of_all}", f"right ones refused, {of_all}"]
+    counts = []
+    for check in CHECKS_OF_PUBLISHED:
+        counts.append([check, number_found[check] or "not installed", number_refused[check]])
     return [Table("", ["wrong gradient", "mistake", "missed by"], rows), Table("", header, counts)]
 
 
-def judged(check: Callable, case: tuple, is_right: bool) -> str:
-    """What a check makes of a case."""
+def judge(check: Callable, case: tuple, is_right: bool) -> str:
+    """What a check says of a case."""
     f, *inputs = case
     np.random.seed(0)  # noqa: NPY002 (autograd draws from it)
     try:
-        if check is not by_numpy_cae:
+        if check is not passes_check_gradients:
             f, inputs = with_arrays(f, tuple(inputs))
-        passed = check(f, tuple(deepcopy(inputs)))
+        accepted = check(f, tuple(deepcopy(inputs)))
     except ImportError:
         return "not installed"
     except Exception as error:
         return type(error).__name__
-    if passed == is_right:
+    return verdict(accepted, is_right)
+
+
+def verdict(accepted: bool, is_right: bool) -> str:
+    """Whether a check that accepts or refuses a pullback is right."""
+    if accepted == is_right:
         return "right"
     return "false alarm" if is_right else "missed"

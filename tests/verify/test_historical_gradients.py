@@ -1,39 +1,52 @@
-"""The wrong gradients of studies/gradients/historical are found; `python -m studies
-gradient_checks` tries all of their fixed versions, this file every fourth."""
+"""The wrong gradients of studies/gradients are found; `python -m studies gradient_checks` tries all
+of their fixed versions, this file every fourth."""
+
+from inspect import getsource
 
 import pytest
 
 from numpy_cae import verify
 from numpy_cae.verify.operations.property import failing_case, failure
-from studies.gradients.bugs import LAYERS, bugs
+from studies.gradients.published import historical_bugs, layers
 
-BUGS = bugs()
-OF_LAYERS = bugs(LAYERS)
-WRONG_LAYERS = [layer for layer in OF_LAYERS if not layer.is_right]
-
-
-def properties(bug):
-    options = {"skip": ["dtype"], "dtypes": bug.dtypes} if bug.is_layer else {}
-    return verify.properties_of(bug.function(False), bug.shapes, values=bug.ranges, **options)
+BUGS = historical_bugs()
+LAYERS = layers()
+WRONG_LAYERS = [layer for layer in LAYERS if not layer.is_right]
 
 
-@pytest.mark.parametrize("bug", BUGS + WRONG_LAYERS, ids=lambda bug: bug.name)
-def test_the_wrong_version_is_found(bug):
-    assert any(failing_case(stated, bug.function(fixed=False)) for stated in properties(bug))
+def properties(operation):
+    f = operation.version(fixed=False)
+    options = {"skip": ["dtype"], "dtypes": operation.dtypes} if operation.is_layer else {}
+    return verify.properties_of(f, operation.shapes, values=operation.ranges, **options)
 
 
-@pytest.mark.parametrize("bug", BUGS[::4] + OF_LAYERS[2::4], ids=lambda bug: bug.name)
-def test_the_fixed_version_holds(bug):
+@pytest.mark.parametrize("operation", BUGS + WRONG_LAYERS, ids=lambda operation: operation.name)
+def test_the_wrong_version_is_found(operation):
+    f = operation.version(fixed=False)
+    assert any(failing_case(stated, f) for stated in properties(operation))
+
+
+@pytest.mark.parametrize(
+    "operation", BUGS[::4] + LAYERS[2::4], ids=lambda operation: operation.name
+)
+def test_the_fixed_version_holds(operation):
     """In every third case, another third for each property."""
-    for number, stated in enumerate(properties(bug)):
+    f = operation.version(fixed=True)
+    for number, stated in enumerate(properties(operation)):
         for case in stated.cases()[number % 3 :: 3]:
-            assert failure(stated, bug.function(fixed=True), case) is None, stated.name
+            assert failure(stated, f, case) is None, stated.name
 
 
-def test_each_has_its_thread_and_its_fix_and_is_short():
+def test_there_are_forty_and_each_has_its_mistake():
     assert len(BUGS) >= 40
-    for bug in BUGS:
-        assert bug.fields["thread"].startswith("https://github.com/")
-        assert bug.fields["fix"].startswith("https://github.com/")
-        assert 4 <= len(bug.code.splitlines()) <= 30
-        assert bug.fields["mistake"].endswith(".")
+    assert all(bug.mistake.endswith(".") for bug in BUGS)
+
+
+@pytest.mark.parametrize("link", ["thread", "fix"])
+def test_each_has_its_thread_and_its_fix(link):
+    assert all(getattr(bug, link).startswith("https://github.com/") for bug in BUGS)
+
+
+def test_each_is_short():
+    lines = [len(getsource(bug.function).splitlines()) for bug in BUGS]
+    assert 4 <= min(lines) <= max(lines) <= 35

@@ -1,17 +1,16 @@
 """`properties_of` for operations of one's own, right and wrong, and adapters for layers."""
 
 import inspect
-from pathlib import Path
 
 import numpy as np
 import pytest
+from own_operations import OWN_OPERATIONS
 from written_otherwise import conv1d_by_fft
 
 from numpy_cae import ops, verify
 from numpy_cae.verify.grading.report import holds
 from numpy_cae.verify.operations.catalogue import CATALOGUE
 from numpy_cae.verify.operations.trial import failure, try_property
-from studies.gradients.bugs import bugs
 
 
 def failing(f, shapes, part=slice(None), **options):
@@ -36,17 +35,15 @@ def test_right_operations_hold_without_and_with_a_definition(name):
         assert failing(f, SHAPES[name], part, definition=definition) == []
 
 
-@pytest.mark.parametrize(
-    "bug", bugs(Path(__file__).parent / "own_operations"), ids=lambda b: b.name
-)
-def test_a_wrong_operation_of_ones_own_fails_in_its_property(bug):
-    assert failing(bug.function(fixed=True), bug.shapes, slice(0, None, 3)) == []
-    f = bug.function(fixed=False)
-    failed = failing(f, bug.shapes)
-    assert bug.fields["property"] in failed
+@pytest.mark.parametrize("operation", OWN_OPERATIONS, ids=lambda own: own.function.__name__)
+def test_a_wrong_operation_of_ones_own_fails_in_its_property(operation):
+    assert failing(operation.version(fixed=True), operation.shapes, slice(0, None, 3)) == []
+    f = operation.version(fixed=False)
+    failed = failing(f, operation.shapes)
+    assert operation.failing in failed
     if failed == ["independence"]:
-        outcome = try_property(verify.properties_of(f, bug.shapes)[-1], f)
-        assert outcome.mistake == bug.fields["mistake"]
+        outcome = try_property(verify.properties_of(f, operation.shapes)[-1], f)
+        assert outcome.mistake == operation.mistake
 
 
 def normalised(x, gain, epsilon=1e-5):
