@@ -1,18 +1,17 @@
 """Right answers get full marks in any style, lessons need earlier ones only, ours is never graded.
 
-`right_styles.txt` has two further answers to each exercise, as students hand them in: unlike the
-key, they are text. The key is `numpy_cae.course.solutions`.
+`tools.right_answers` has two further answers to each exercise, as students hand them in. The key is
+`numpy_cae.course.solutions`.
 """
 
 import ast
 import inspect
-import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from test_grading_and_marks import DATA, hand_in
+from submissions import CLASSES, hand_in
 
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
@@ -22,10 +21,9 @@ from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
 from numpy_cae.verify.operations.trial import failure
 from tools.execute_lessons import mine_before
+from tools.right_answers import RIGHT_ANSWERS, answer
 
 NOTEBOOKS = find_lessons(Path(__file__).parents[2] / "lessons")
-STYLES = re.split(r"\n(?=def )", Path(__file__).with_name("right_styles.txt").read_text("utf-8"))
-SPACE = {"np": np, **{name: each.solution for name, each in CATALOGUE.items()}}
 
 
 def statements(source: str) -> str:
@@ -40,15 +38,12 @@ def statements(source: str) -> str:
 @pytest.mark.parametrize("name", EXERCISES)
 def test_every_exercise_is_solved_in_three_styles(name, share):
     """By default each style has every other case of a few."""
-    styles = [source for source in STYLES if source.startswith(f"def {name}(")]
-    assert len(styles) == 2  # the key, the third, is graded in test_lessons
     few = [replace(p, examples=max(1, p.examples // share)) for p in EXERCISES[name].properties]
     tried = [(stated, case) for stated in few for case in stated.cases()]
-    for number, source in enumerate(styles):
-        space = dict(SPACE)
-        exec(source, space)
+    for number in range(len(RIGHT_ANSWERS)):  # the key, the third, is in test_lessons
+        function = answer(name, number)
         part = tried if share == 1 else tried[number::2]
-        assert all(failure(stated, space[name], case) is None for stated, case in part), source
+        assert all(failure(stated, function, case) is None for stated, case in part), number
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
@@ -67,7 +62,7 @@ def test_a_lesson_is_solved_with_the_solutions_of_earlier_ones_alone(path):
     assert all(stub["source"].count("raise NotImplementedError") == 1 for stub in stubs)
 
 
-@pytest.mark.parametrize("own", DATA["never graded"])
+@pytest.mark.parametrize("own", CLASSES["never graded"])
 def test_the_students_function_is_graded_and_never_ours(own, tmp_path, forked_grading):
     (tmp_path / "mine.py").write_text("from numpy_cae.ops import tanh\n")
     graded = grade(hand_in(tmp_path / "05_one_layer.ipynb", own), catalogue, lesson="05")

@@ -9,6 +9,17 @@ import zipfile
 from pathlib import Path, PurePosixPath
 
 import pytest
+from submissions import (
+    CLASSES,
+    ENCODE,
+    FRAMES_SEEN,
+    LESSON_FILES,
+    RAISING_CONV1D,
+    SPEEDS,
+    TANH,
+    WRONG_FRAMES_SEEN,
+    hand_in,
+)
 
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
@@ -21,25 +32,12 @@ from numpy_cae.course.notebooks import find_lessons, number_of, read_notebook, s
 from numpy_cae.verify.grading.student_file import FileReport, grade
 from numpy_cae.visible import visible
 
-ANSWERS = Path(__file__).with_name("answers.txt").read_text("utf-8")
-ENCODE, TANH, SPEEDS, LOOPS, WRONG, OWN_CONV1D = ANSWERS.split("\n\n\n")
-DATA = json.loads(Path(__file__).with_name("classes.json").read_text("utf-8"))
-LESSON_FILES = Path(__file__).parents[2] / "lessons"
 IN_NO_EXERCISE = {"sliced_wasserstein"}  # project 5 of lesson 14
 
 
 def rows_of(path: Path) -> dict[str, dict]:
     with path.open(newline="", encoding="utf-8") as file:
         return {next(iter(row.values())): row for row in csv.DictReader(file)}
-
-
-def hand_in(path: Path, *sources: str) -> Path:
-    """Write a notebook with these exercise cells."""
-    cell = {"cell_type": "code", "metadata": {"nbgrader": {"solution": True}}}
-    cell |= {"execution_count": None, "outputs": []}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"cells": [cell | {"source": source} for source in sources]}))
-    return path
 
 
 def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path, forked_grading):
@@ -55,7 +53,7 @@ def test_operations_of_earlier_lessons_are_given_and_not_graded(tmp_path, forked
     assert points == {name: EXERCISES[name].points for name in ("tanh", "encode_layer", "speeds")}
 
 
-@pytest.mark.parametrize(("tanh", "earned"), DATA["tanh and its points"])
+@pytest.mark.parametrize(("tanh", "earned"), CLASSES["tanh and its points"])
 def test_a_right_value_has_its_points_and_earlier_exercises_do_not_matter(
     tanh, earned, tmp_path, forked_grading
 ):
@@ -69,7 +67,7 @@ def test_a_right_value_has_its_points_and_earlier_exercises_do_not_matter(
     ("cells", "message"),
     [
         ((ENCODE,), "name 'tanh' is not defined"),  # of the same lesson
-        ((TANH, OWN_CONV1D, ENCODE), "ValueError: mine"),  # the student's own comes first
+        ((TANH, RAISING_CONV1D, ENCODE), "ValueError: mine"),  # the student's own comes first
         (("def encode_layer(",), "cell 1: SyntaxError"),
         ((), "no exercise cell"),
     ],
@@ -80,17 +78,17 @@ def test_a_failing_cell_gets_its_message(tmp_path, cells, message, forked_gradin
 
 
 def answered_below(cells, place):
-    cells.append({"cell_type": "code", "metadata": {}, "source": LOOPS})
+    cells.append({"cell_type": "code", "metadata": {}, "source": FRAMES_SEEN})
 
 
 def without_metadata(cells, place):
-    cells[place]["source"] = LOOPS
+    cells[place]["source"] = FRAMES_SEEN
     for cell in cells:
         cell["metadata"] = {}
 
 
 def copied(cells, place):
-    cells.insert(place, cells[place] | {"source": LOOPS})
+    cells.insert(place, cells[place] | {"source": FRAMES_SEEN})
 
 
 @pytest.mark.parametrize("change", [answered_below, without_metadata, copied])
@@ -119,7 +117,7 @@ def test_every_operation_that_a_lesson_imports_is_given(path):
     assert imported - IN_NO_EXERCISE <= given
 
 
-@pytest.mark.parametrize(("place", "student", "names", "lesson"), DATA["places"])
+@pytest.mark.parametrize(("place", "student", "names", "lesson"), CLASSES["places"])
 def test_a_student_is_told_by_the_folder_or_the_name(place, student, names, lesson):
     file = hand_in_by_place(Path("in", place), PurePosixPath(place))
     assert (file.student, [*file.names], file.lesson) == (student, names, lesson)
@@ -129,29 +127,29 @@ def test_a_student_is_told_by_the_folder_or_the_name(place, student, names, less
 def test_a_students_folder_is_one_student_and_zip_files_are_opened(tmp_path, monkeypatch):
     monkeypatch.setattr(zipfile.ZipFile, "read", None)  # it may unpack more than is declared
     for name in ("03_convolution_by_hand.ipynb", "mine.py", "helper.py"):
-        hand_in(tmp_path / "ann" / name, LOOPS)
+        hand_in(tmp_path / "ann" / name, FRAMES_SEEN)
     unpacked = tmp_path / "unpacked"
     unpacked.mkdir()
     assert [each.student for each in find_files(tmp_path / "ann", unpacked)] == ["ann", "ann"]
     with zipfile.ZipFile(tmp_path / "all.zip", "w") as packed:
-        packed.writestr("../../leeann_7_8_07_going_deep.py", LOOPS)
+        packed.writestr("../../leeann_7_8_07_going_deep.py", FRAMES_SEEN)
         packed.writestr("bob_7_9_work.zip", "no zip file")
         packed.writestr("__MACOSX/._x.py", "")
     bob, ann = find_files(tmp_path / "all.zip", unpacked)
     assert (ann.student, bob.student) == ("leeann 7", "bob 7")
     assert "is not a zip file" in bob.fault and ann.path.parent.parent == unpacked
     with zipfile.ZipFile(tmp_path / "small.zip", "w", zipfile.ZIP_LZMA) as packed:
-        packed.writestr("ann_7_8_07.py", LOOPS)
+        packed.writestr("ann_7_8_07.py", FRAMES_SEEN)
     (small,) = find_files(tmp_path / "small.zip", unpacked)
     assert "stored or deflated" in small.fault
 
 
 def test_marks_and_feedback_of_a_class(tmp_path, capsys):
     submitted, table, feedback = (tmp_path / name for name in ("in", "marks.csv", "feedback"))
-    hand_in(submitted / "ann" / "week" / "07_going_deep.ipynb", LOOPS)
-    hand_in(submitted / "=cmd()_07.ipynb", WRONG)
-    hand_in(submitted / "ben_07.ipynb", WRONG)
-    hand_in(submitted / "ben" / "again.ipynb", LOOPS)
+    hand_in(submitted / "ann" / "week" / "07_going_deep.ipynb", FRAMES_SEEN)
+    hand_in(submitted / "=cmd()_07.ipynb", WRONG_FRAMES_SEEN)
+    hand_in(submitted / "ben_07.ipynb", WRONG_FRAMES_SEEN)
+    hand_in(submitted / "ben" / "again.ipynb", FRAMES_SEEN)
     (submitted / "ann" / "week" / "mine.py").write_text("1 / 0")
     (submitted / "eve.ipynb").write_text("{")
     (submitted / "fay.ipynb").symlink_to(submitted / "ben" / "again.ipynb")
@@ -187,15 +185,15 @@ def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
     assert len(text.splitlines()) == 2 + len(students) and "caf\\udce9" in text
 
 
-@pytest.mark.parametrize("system", DATA["systems"])
+@pytest.mark.parametrize("system", CLASSES["systems"])
 def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     system, tmp_path, capsys, forked_grading
 ):
-    export, encoding, names = DATA["systems"][system]
+    export, encoding, names = CLASSES["systems"][system]
     submitted, table, roster = (tmp_path / name for name in ("in", "marks.csv", "class.csv"))
     roster.write_bytes("\n".join([*export, ""]).encode(encoding))
     ann, sid, bob = (submitted / os.fsdecode(name.encode()) for name in names)
-    hand_in(ann, WRONG), hand_in(sid, TANH), hand_in(bob, LOOPS)
+    hand_in(ann, WRONG_FRAMES_SEEN), hand_in(sid, TANH), hand_in(bob, FRAMES_SEEN)
     late = tmp_path / "late.txt"
     late.write_text("Ann Löwe\n", encoding="utf-8")
     command = ["verify", str(submitted), "--csv", str(table), "--roster", str(roster)]
@@ -218,7 +216,7 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     failed = rows_of(tmp_path / "marks_statistics.csv")["frames_seen"]
     assert (failed["property"], failed["handed in"], failed["failed"]) == ("value", "2", "1")
 
-    hand_in(ann, LOOPS), sid.unlink()
+    hand_in(ann, FRAMES_SEEN), sid.unlink()
     table.write_text(
         table.read_text("utf-8").replace(f"{of_sid},10,", f"{of_sid},excused,"), "utf-8"
     )
@@ -230,10 +228,10 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
 
 def test_an_import_that_would_be_wrong_is_refused_and_says_why(tmp_path, capsys, forked_grading):
     submitted, roster = tmp_path / "in", tmp_path / "class.csv"
-    hand_in(submitted / "ann.ipynb", LOOPS), hand_in(submitted / "bob.ipynb", LOOPS)
+    hand_in(submitted / "ann.ipynb", FRAMES_SEEN), hand_in(submitted / "bob.ipynb", FRAMES_SEEN)
     command = ["verify", str(submitted), "--csv", str(tmp_path / "m.csv"), "--feedback"]
     command += [str(tmp_path / "feedback"), "--roster", str(roster)]
-    for listed, said in DATA["refused"]:
+    for listed, said in CLASSES["refused"]:
         roster.write_text(listed.replace("LONG", 200_000 * "x"))
         assert main(command) == 2 and said in capsys.readouterr().err
     assert (tmp_path / "feedback" / "ann.md").exists()
@@ -247,7 +245,7 @@ def test_nbgrader_gets_the_points_of_the_command_in_the_check_cells(tmp_path, mo
     nbformat = pytest.importorskip("nbformat")
     from numpy_cae.course.nbgrader import grade_notebook
 
-    (cell,) = read_notebook(hand_in(tmp_path / "07_going_deep.ipynb", LOOPS))["cells"]
+    (cell,) = read_notebook(hand_in(tmp_path / "07_going_deep.ipynb", FRAMES_SEEN))["cells"]
     marks = {"nbgrader": {"grade": True, "grade_id": "stack_loss_check", "points": 40}}
     cells = [cell, cell | {"metadata": marks, "source": "1 / 0"}]
     node = nbformat.from_dict({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})

@@ -5,7 +5,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from test_grading_and_marks import DATA
+from submissions import CLASSES
 
 from numpy_cae.cli import main
 from numpy_cae.course.copies import write_notebook
@@ -53,7 +53,7 @@ def test_the_command_writes_copies_and_overwrites_nobodys_work(tmp_path, capsys)
     assert "import numpy as np" in (student / "mine.py").read_text()
 
 
-@pytest.mark.parametrize(("words", "said"), DATA["commands"])
+@pytest.mark.parametrize(("words", "said"), CLASSES["commands"])
 def test_what_the_command_cannot_do_is_said_in_a_line(words, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_notebook(a_lesson(), tmp_path / "01_double.ipynb")

@@ -6,9 +6,9 @@ from numpy_cae.cli import main
 
 RIGHT = "import numpy as np\ndef tanh(x):\n    y = np.tanh(x)\n"
 RIGHT += "    return y, lambda dy: dy * (1 - y * y)\n"
-SEVERAL = (FILES / "several_mistakes.txt").read_text()
+SEVERAL = (FILES / "several_mistakes.py").read_text()
 
-ENDLESS = (FILES / "endless_functions.txt").read_text()
+ENDLESS = (FILES / "endless_functions.py").read_text()
 
 
 def test_each_function_of_a_file_has_its_report(graded):

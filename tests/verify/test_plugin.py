@@ -61,7 +61,7 @@ def test_the_test_file_of_the_guide_finds_a_mistake_in_the_gru_beside_it(tmp_pat
 def test_the_page_for_ones_own_layer_and_a_project_of_its_own(tmp_path):
     for name, block in BLOCKS:
         (tmp_path / name).write_text(block)
-    (tmp_path / "test_project.py").write_text((HERE / "plugin_project.txt").read_text())
+    (tmp_path / "test_project.py").write_text((HERE / "plugin_project.py").read_text())
     text = run_pytest(tmp_path, "-rA", "-p", "numpy_cae.pytest_plugin")
     assert "9 failed, 41 passed, 7 skipped, 2 xfailed" in text, text
     assert "FAILED test_project.py::TestLayers::test_static[gradient for scale]" in text

@@ -1,3 +1,10 @@
+"""Right answers to four exercises, as the cells of a notebook have them."""
+
+import numpy as np
+
+from numpy_cae.ops import conv1d, max_pool
+
+
 def encode_layer(x, w, b):
     convolved, convolve_back = conv1d(x, w, b)
     pooled, pool_back = max_pool(convolved)
@@ -19,11 +26,3 @@ def frames_seen(taps, layers):
     for _ in range(layers):
         n = 2 * n + taps - 1
     return n
-
-
-def frames_seen(taps, layers):
-    return taps
-
-
-def conv1d(x, w, b):
-    raise ValueError('mine')

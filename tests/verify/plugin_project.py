@@ -1,5 +1,8 @@
+"""A project that tests its operations with the plugin; test_plugin copies it as a test file."""
+
 import numpy as np
 import pytest
+
 from numpy_cae import verify
 
 BEGUN = []
@@ -30,7 +33,8 @@ class Linear:
     """Its constructor draws weights, and it adds to its gradients."""
 
     def __init__(self):
-        self.w, self.gradients = np.random.randn(3, 2), {"w": 0.0}
+        self.w = np.random.randn(3, 2)  # noqa: NPY002 -- as layers are written
+        self.gradients = {"w": 0.0}
 
     def forward(self, x):
         self.x = x
