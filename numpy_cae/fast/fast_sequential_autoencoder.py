@@ -76,7 +76,7 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
         h, pullback = self._by_threads(lambda clips: read(clips, self.weights), x)
         return h, lambda dh: pullback(dh)[1]
 
-    def _write(self, h: np.ndarray, steps: int) -> tuple[Sequence[np.ndarray], Pullback]:
+    def _write_frames(self, h: np.ndarray, steps: int) -> tuple[Sequence[np.ndarray], Pullback]:
         y, pullback = self._by_threads(lambda h0: write(h0, steps, self.weights), h)
         return y.swapaxes(0, 1), lambda d_written: pullback(np.stack(d_written, axis=1))
 

@@ -1,20 +1,19 @@
 """Learning manifolds: holden2015, sections 4 and 6; jang2018, "Experimental Setup"."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import partial
 
 import numpy as np
 
 from numpy_cae import training
 from numpy_cae.fast import with_engine
-from numpy_cae.manifold.augmentation import damaged_chains, mirrored
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import CLIP, LENGTH, RATE, AngleSequence, cut_clips, cut_windows
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY, features_on_mean_skeleton
-from numpy_cae.training.loop import HELD_OUT
+from numpy_cae.training.state import HELD_OUT
 
 Report = Callable[[training.TrainingState], None]
 MAX_WINDOW_RMS = 2.0
@@ -51,7 +50,6 @@ def learn_manifold(
     report: Report | None = None,
     checkpoint: training.Checkpoint | None = None,
     engine: str = "fast",
-    mirror: bool = False,
     testing: Sequence[np.ndarray] = (),
 ) -> MotionManifold:
     """Train a convolutional manifold on takes.
@@ -69,8 +67,6 @@ def learn_manifold(
         As in `ConvAutoencoder`.
     report, checkpoint, engine
         As in `train_autoencoder`; the engine is that of `load_manifold`.
-    mirror : bool
-        Whether to learn from mirrored copies of the takes as well.
     testing : sequence of (F, 20, 3) arrays of float
         Takes to measure the error on after each epoch of fine tuning; nothing is learned from them.
 
@@ -101,9 +97,7 @@ def learn_manifold(
     """
     if not takes:
         raise ValueError("there are no takes to learn from")
-    if mirror:
-        takes = [*takes, *(mirrored(take) for take in takes)]
-    schedule = _with_chains(schedule or training.Schedule())
+    schedule = schedule or training.Schedule()
     overlap = window // 2 if overlap is None else overlap
     rng = np.random.default_rng(seed)
     network = ConvAutoencoder(
@@ -155,14 +149,6 @@ def with_error(
             report(state)
 
     return measured
-
-
-def _with_chains(schedule: training.Schedule) -> training.Schedule:
-    """The schedule with the chains of joints that the damage of fine tuning needs, if any."""
-    fine_tuning = schedule.fine_tuning
-    if fine_tuning.chains or not fine_tuning.displacement:
-        return schedule
-    return replace(schedule, fine_tuning=replace(fine_tuning, chains=damaged_chains()))
 
 
 def learn_sequences(

@@ -14,6 +14,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.models.conv_layer import ConvLayer
+from numpy_cae.models.initial_filters import passing_filters
 from numpy_cae.ops.shapes import require_shape
 
 Gradients = list[tuple[np.ndarray, np.ndarray]]
@@ -45,7 +46,7 @@ class ConvAutoencoder:
         Draws the initial weights; by default a generator with seed 0.
     dtype : float32 (for training) or float64 (for checking gradients)
     initial : {"random", "passing"}
-        The initial weights: those of `ConvLayer.initial`, or `conv_layer.passing_filters`.
+        The initial weights: those of `ConvLayer.initial`, or `passing_filters`.
 
     Attributes
     ----------
@@ -77,11 +78,14 @@ class ConvAutoencoder:
     ):
         rng = rng or np.random.default_rng(0)
         channels = (features, *filters)
-        passing = initial == "passing"
-        self.layers = [
-            ConvLayer.initial(taps, below, above, bound, rng, dtype, passing)
-            for below, above in pairwise(channels)
-        ]
+        self.layers: list[ConvLayer] = []
+        for below, above in pairwise(channels):
+            if initial == "passing":
+                w = passing_filters(taps, below, above, rng).astype(dtype)
+                layer = ConvLayer(w, np.zeros(above, dtype), bound)
+            else:
+                layer = ConvLayer.initial(taps, below, above, bound, rng, dtype)
+            self.layers.append(layer)
 
     @property
     def parameters(self) -> dict[str, np.ndarray]:
@@ -204,8 +208,8 @@ class ConvAutoencoder:
 
         y = corrupted  # (B, T, C)
         encode_pullbacks = []
-        for each in layers:
-            y, encode_pullback = each.encode_with_pullback(y)  # (B, T/2, 64), (B, T/4, 128), …
+        for used in layers:
+            y, encode_pullback = used.encode_with_pullback(y)  # (B, T/2, 64), (B, T/4, 128), …
             encode_pullbacks.append(encode_pullback)
         x_hat, decode_pullbacks = _decode_layers(layers, y, masks)  # (B, T, C)
         error, error_pullback = ops.mean_squared_error(x_hat, x)

@@ -13,9 +13,6 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.ops.shapes import Pullback
 
-WIDTH = 1.0
-"""WIDTH: s of `passing_filters`, in frames (docs/lab_book/other_sources.md)."""
-
 
 @dataclass(eq=False)
 class ConvLayer:
@@ -52,19 +49,14 @@ class ConvLayer:
         bound: float,
         rng: np.random.Generator,
         dtype: np.dtype | type = np.float32,
-        passing: bool = False,
     ) -> ConvLayer:
         """Small random filters by fan-in and fan-out, zero biases (section 5).
 
         Glorot initialisation, W uniform within ±√(6 / (fan_in + fan_out)): the variance is a
         compromise between those that preserve signals (fan-in K·C) and gradients (fan-out K·D).
-        With `passing` the filters are `passing_filters` instead.
         """
-        if passing:
-            w = passing_filters(taps, channels, filters, rng)
-        else:
-            width = np.sqrt(6 / (taps * channels + taps * filters))
-            w = rng.uniform(-width, width, size=(taps, channels, filters))
+        width = np.sqrt(6 / (taps * channels + taps * filters))
+        w = rng.uniform(-width, width, size=(taps, channels, filters))
         return cls(w.astype(dtype), np.zeros(filters, dtype=dtype), bound)
 
     def encode_with_pullback(self, x: np.ndarray) -> tuple[np.ndarray, Pullback]:
@@ -129,46 +121,3 @@ class ConvLayer:
             return dy, dw, db
 
         return x, pullback
-
-
-def passing_filters(taps: int, channels: int, filters: int, rng: np.random.Generator) -> np.ndarray:
-    """Filters that let slow motion pass: decoding returns nearly what was encoded.
-
-        W[k] = g(k) Q,   g(k) ∝ exp(-k² / 2s²),   Σ_k g(k) = √2,   Q: (C, D), Q Qᵀ = I
-
-    Of a motion x that hardly changes in a pair of frames, the encoder passes √2 xQ to both
-    frames, pooling keeps one, the decoder puts half of it on each frame and returns
-    ½ · √2 · √2 · x Q Qᵀ = x. Q is random. If there are twice as many filters as channels, the
-    second half of the filters has the slope, g'(k), with Σ_k |g'(k)| = √2, so that a pair of
-    frames is described by its value and its slope. If there are fewer filters than channels,
-    Q Qᵀ is a projection.
-
-    Not in the paper. Such weights represent motions of every source before any training
-    (docs/lab_book/other_sources.md).
-
-    Examples
-    --------
-    >>> layer = ConvLayer.initial(15, 3, 6, 0.9, np.random.default_rng(0), passing=True)
-    >>> x = 0.1 * np.sin(np.arange(160) / 10)[None, :, None] * [1.0, 2.0, -1.0]
-    >>> decoded = layer.decode_with_pullback(layer.encode_with_pullback(x)[0])[0]
-    >>> bool(abs(decoded - x)[:, 8:-8].max() < 0.1 * abs(x).max())
-    True
-    """
-    k = np.arange(taps) - taps // 2
-    value = np.exp(-((k / WIDTH) ** 2) / 2)
-    kernels = [value / value.sum()]
-    if taps > 1 and filters >= 2 * channels:
-        slope = -k * value
-        kernels.append(slope / np.abs(slope).sum())
-    counts = [filters // len(kernels), filters - filters // len(kernels)]
-    w = [
-        np.sqrt(2) * kernel[:, None, None] * _orthogonal(channels, count, rng)
-        for kernel, count in zip(kernels, counts, strict=False)
-    ]
-    return np.concatenate(w, axis=2)
-
-
-def _orthogonal(rows: int, columns: int, rng: np.random.Generator) -> np.ndarray:
-    """A random (rows, columns) array whose rows, or columns if these are fewer, are orthonormal."""
-    size = max(rows, columns)
-    return np.linalg.qr(rng.standard_normal((size, size)))[0][:rows, :columns]

@@ -180,7 +180,7 @@ class SequentialAutoencoder:
             d_states = np.zeros_like(states)
             d_states[:, -1] = dh
             _, _, *gradients = gru_pullback(d_states)
-            return _named("encoder", gradients)
+            return name_gradients("encoder", gradients)
 
         return states[:, -1], pullback
 
@@ -227,19 +227,19 @@ class SequentialAutoencoder:
         """
         require_latent(z, frames, self.weights)
         h, state_pullback = ops.linear(z, self.weights["state_w"], self.weights["state_b"])
-        written, write_pullback = self._write(h, self.burn_in + frames)
+        written, write_pullback = self._write_frames(h, self.burn_in + frames)
         x_hat = np.stack(written[: -frames - 1 : -1], axis=1)  # the last T, the last one first
 
         def pullback(dx_hat: np.ndarray) -> tuple[np.ndarray, Weights]:
             d_written = [np.zeros_like(dx_hat[:, 0])] * self.burn_in
             d_written += [dx_hat[:, t] for t in reversed(range(frames))]
-            dh, of_steps = write_pullback(d_written)
+            dh, step_gradients = write_pullback(d_written)
             dz, d_state_w, d_state_b = state_pullback(dh)
-            return dz, {"state_w": d_state_w, "state_b": d_state_b, **of_steps}
+            return dz, {"state_w": d_state_w, "state_b": d_state_b, **step_gradients}
 
         return x_hat, pullback
 
-    def _write(self, h: np.ndarray, steps: int) -> tuple[Sequence[np.ndarray], Pullback]:
+    def _write_frames(self, h: np.ndarray, steps: int) -> tuple[Sequence[np.ndarray], Pullback]:
         """y_1, y_2, … from h_0, and the pullback that takes their gradients to dh_0 and the
         gradients by name; the equations are those of `decode_with_pullback`."""
         gru = gru_weights(self.weights, "decoder")
@@ -254,17 +254,21 @@ class SequentialAutoencoder:
             pullbacks.append((step_pullback, frame_pullback))
 
         def pullback(d_written: Sequence[np.ndarray]) -> tuple[np.ndarray, Weights]:
-            totals = [np.zeros_like(weight) for weight in (*gru, *frame)]
+            d_gru = [np.zeros_like(weight) for weight in gru]
+            d_frame = [np.zeros_like(weight) for weight in frame]
             dy_fed = np.zeros_like(y)
             dh = np.zeros_like(h)
             for k in reversed(range(steps)):
                 step_pullback, frame_pullback = pullbacks[k]
                 dh_through_frame, *frame_terms = frame_pullback(d_written[k] + dy_fed)
                 dy_fed, dh, *gru_terms = step_pullback(dh + dh_through_frame)
-                for total, term in zip(totals, (*gru_terms, *frame_terms), strict=True):
+                for total, term in zip(d_gru, gru_terms, strict=True):
                     total += term
-            of_frame = {"frame_w": totals[4], "frame_b": totals[5]}
-            return dh, _named("decoder", totals[:4]) | of_frame
+                for total, term in zip(d_frame, frame_terms, strict=True):
+                    total += term
+            d_frame_w, d_frame_b = d_frame
+            gradients = name_gradients("decoder", d_gru)
+            return dh, {**gradients, "frame_w": d_frame_w, "frame_b": d_frame_b}
 
         return written, pullback
 
@@ -332,22 +336,24 @@ def initial_weights(
     and the update gate's bias is 1, so that h' = (1 - z) ∘ n + z ∘ h mostly keeps h at first (here
     z is the update gate, not the latent vector).
     """
-    weights = {}
-    for name, shape in weight_shapes(features, hidden, latent).items():
-        if len(shape) == 1:
-            weights[name] = np.zeros(shape, dtype)
-            if name in ("encoder_b", "decoder_b"):
-                weights[name][hidden : 2 * hidden] = 1
-            continue
-        fan_in, fan_out = shape
-        if name in ("encoder_u", "decoder_u"):
-            gates = [np.linalg.qr(rng.standard_normal((hidden, hidden)))[0] for _ in range(GATES)]
-            weights[name] = np.hstack(gates).astype(dtype)
-            continue
-        if name.startswith(("encoder", "decoder")):
-            fan_out //= GATES
-        width = np.sqrt(6 / (fan_in + fan_out))
-        weights[name] = rng.uniform(-width, width, size=shape).astype(dtype)
+    shapes = weight_shapes(features, hidden, latent)
+    weights = {name: np.zeros(shape, dtype) for name, shape in shapes.items()}
+
+    def draw_uniform(name: str, fan_out: int) -> None:
+        width = np.sqrt(6 / (len(weights[name]) + fan_out))
+        weights[name][...] = rng.uniform(-width, width, size=shapes[name])
+
+    def draw_gru(name: str) -> None:
+        draw_uniform(f"{name}_w", fan_out=hidden)
+        gates = [np.linalg.qr(rng.standard_normal((hidden, hidden)))[0] for _ in range(GATES)]
+        weights[f"{name}_u"][...] = np.hstack(gates)
+        weights[f"{name}_b"][hidden : 2 * hidden] = 1  # the update gate's
+
+    draw_gru("encoder")
+    draw_uniform("latent_w", fan_out=latent)
+    draw_uniform("state_w", fan_out=hidden)
+    draw_gru("decoder")
+    draw_uniform("frame_w", fan_out=features)
     return weights
 
 
@@ -356,9 +362,9 @@ def gru_weights(weights: Weights, name: str) -> tuple[np.ndarray, ...]:
     return tuple(weights[f"{name}_{letter}"] for letter in "wubc")
 
 
-def _named(gru: str, gradients: list[np.ndarray]) -> Weights:
+def name_gradients(gru: str, gradients: list[np.ndarray]) -> Weights:
     """dW, dU, db and dc of the "encoder" or the "decoder", by name."""
-    return {f"{gru}_{letter}": each for letter, each in zip("wubc", gradients, strict=True)}
+    return {f"{gru}_{letter}": d for letter, d in zip("wubc", gradients, strict=True)}
 
 
 def require_clips(name: str, x: np.ndarray, weights: Weights) -> None:

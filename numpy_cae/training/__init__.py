@@ -1,13 +1,14 @@
 """Training of both networks, holden2015's and jang2018's.
 
-Read `layerwise` and `sequential` first, the training of each network, whose loop over epochs and
-batches is `TrainingState.steps_of`. A `Checkpoint` saves this state, and `report` functions are
-given it.
+Read `layerwise` and `sequential` first: the training of each network is one function, with its
+loops over stages, epochs and batches, and a function for one step. After each step `state` says
+where the training stands, a `report` function is given this state, and a `Checkpoint` saves it.
 """
 
+from numpy_cae.training.checkpoint import Checkpoint, CheckpointError
 from numpy_cae.training.corruption import zero_values
+from numpy_cae.training.divergence import DivergedError
 from numpy_cae.training.layerwise import train_autoencoder
-from numpy_cae.training.loop import Checkpoint, CheckpointError, DivergedError, TrainingState
 from numpy_cae.training.optimisers import Adam, clip_norm
 from numpy_cae.training.progress import ProgressPrinter
 from numpy_cae.training.schedule import (
@@ -19,6 +20,7 @@ from numpy_cae.training.schedule import (
     recipe,
 )
 from numpy_cae.training.sequential import train_sequential, unit_directions
+from numpy_cae.training.state import TrainingState
 
 __all__ = [
     "RECIPES",

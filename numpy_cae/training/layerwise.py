@@ -5,15 +5,18 @@ restore this encoding from a corrupted copy (Vincent 2010). Fine tuning then tra
 at once. What is random in a step is drawn by `corruption`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training.corruption import corrupted_copy, unpooling_mask
-from numpy_cae.training.loop import Checkpoint, TrainingState
-from numpy_cae.training.optimisers import clip_norm
-from numpy_cae.training.schedule import Schedule
+from numpy_cae.training.checkpoint import Checkpoint
+from numpy_cae.training.corruption import corrupt, unpooling_mask
+from numpy_cae.training.divergence import require_finite
+from numpy_cae.training.optimisers import Adam, Sgd, clip_norm, make_optimiser
+from numpy_cae.training.schedule import Schedule, Stage, rate_at
+from numpy_cae.training.state import TrainingState
 
 
 def train_autoencoder(
@@ -67,52 +70,97 @@ def train_autoencoder(
     (3, True)
     """
     schedule = schedule or Schedule()
-    state = TrainingState(model.parameters, np.random.default_rng(rng))
+    rng = np.random.default_rng(rng)
+    weights = model.parameters
+    state = TrainingState()
     if checkpoint is not None:
-        checkpoint.load_into(state, windows, schedule, [layer.bound for layer in model.layers])
-    for _ in autoencoder_steps(model, windows, schedule, state):
-        if report is not None:
-            report(state)
+        bounds = [layer.bound for layer in model.layers]
+        checkpoint.begin_run(state, rng, weights, windows, schedule, bounds)
+
+    for part in parts_of_training(model, schedule)[state.stage :]:
+        stage = part.stage
+        x = input_of(part, model, windows)
+        optimiser = make_optimiser(stage, parameters_of(part, model))
+        order = np.zeros(len(x), dtype=int)
+        state.begin_stage(part.name, stage.epochs, steps=-(-len(x) // stage.batch))
+        if checkpoint is not None:
+            checkpoint.begin_stage(optimiser.arrays | {"order": order})
+
+        for epoch in range(state.epoch, stage.epochs):
+            if state.step == 0:
+                order[...] = rng.permutation(len(x))
+
+            for step in range(state.step, state.steps):
+                batch = x[order[step * stage.batch : (step + 1) * stage.batch]]
+                rate = rate_at(stage, epoch, step, state.steps)
+                loss = take_step(model, part, batch, optimiser, rate, rng)
+                require_finite(loss, weights, batch, rate, state, checkpoint)
+                state.count_step(loss, len(batch))
+                if report is not None:
+                    report(state)
+                if checkpoint is not None:
+                    checkpoint.save_when_due(state)
+        state.end_stage()
     return state
 
 
-def autoencoder_steps(
-    model: ConvAutoencoder, windows: np.ndarray, schedule: Schedule, state: TrainingState
-) -> Iterator[None]:
-    """Train from `state` on, and yield after every step: the loop of `train_autoencoder`.
+class Part(NamedTuple):
+    """A part of the training: one layer by itself, or all layers together."""
 
-    A step computes the loss of restoring x from X_c, equation 3, and its gradients, and updates the
-    weights; if the loss is not finite, no weight is changed. x are clean windows or, when one layer
-    is trained, what the layers below it make of them. The paper unpools at random while one layer
-    is trained, and evenly while all are.
+    name: str  # "layer 1", "layer 2", …, "fine tuning"
+    layer: int | None  # index of the layer; None for all layers
+    stage: Stage
+
+
+def parts_of_training(model: ConvAutoencoder, schedule: Schedule) -> list[Part]:
+    """Layer by layer, then all together; without the parts that have no epochs."""
+    parts = [Part(f"layer {n + 1}", n, schedule.layer) for n in range(len(model.layers))]
+    parts.append(Part("fine tuning", None, schedule.fine_tuning))
+    return [part for part in parts if part.stage.epochs]
+
+
+def take_step(
+    model: ConvAutoencoder,
+    part: Part,
+    x: np.ndarray,
+    optimiser: Sgd | Adam,
+    rate: float,
+    rng: np.random.Generator,
+) -> float:
+    """Take one step, and return the loss before it; if it is not finite, no weight is changed.
+
+    The loss is that of restoring the batch x from a corrupted copy, equation 3. The paper unpools
+    at random while one layer is trained, and evenly while all are.
     """
-    by_layer = ((f"layer {n + 1}", n, schedule.layer) for n in range(len(model.layers)))
-    stages = (*by_layer, ("fine tuning", None, schedule.fine_tuning))
-    for name, number, stage in [each for each in stages if each[-1].epochs][state.stage :]:
-        layer = None if number is None else model.layers[number]
-        parameters = state.weights if layer is None else {"w": layer.w, "b": layer.b}
-        x = hidden_below(model, windows, number) if number else windows
-        for step, rate in state.steps_of(name, stage, parameters, len(x)):
-            if step == 0:
-                state.order = state.rng.permutation(len(x))
-            batch = x[state.order[step * stage.batch : (step + 1) * stage.batch]]
-            corrupted = corrupted_copy(batch, stage, state.rng)
-            first = None if layer is None else [unpooling_mask(batch, layer.b.size, state.rng)]
-            loss, of_layers = model.loss_and_gradients(batch, corrupted, stage.alpha, first, number)
-            if np.isfinite(loss):
-                # dw1, db1, dw2, db2, …: the order of the parameters.
-                gradients = [gradient for of_layer in of_layers for gradient in of_layer]
-                if stage.norm is not None:
-                    clip_norm(gradients, stage.norm)
-                state.optimiser.update(gradients, rate)
-            state.end_step(loss, batch, rate)
-            yield
+    stage = part.stage
+    corrupted = corrupt(x, stage, rng)
+    first = None
+    if part.layer is not None:
+        first = [unpooling_mask(x, model.layers[part.layer].b.size, rng)]
+    loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, part.layer)
+    if np.isfinite(loss):
+        # dw1, db1, dw2, db2, …: the order of the parameters.
+        arrays = [gradient for layer_gradients in gradients for gradient in layer_gradients]
+        if stage.norm is not None:
+            clip_norm(arrays, stage.norm)
+        optimiser.update(arrays, rate)
+    return loss
 
 
-def hidden_below(model: ConvAutoencoder, windows: np.ndarray, layer: int) -> np.ndarray:
-    """The input of a layer but the lowest: what the layers below it make of clean windows.
+def parameters_of(part: Part, model: ConvAutoencoder) -> dict[str, np.ndarray]:
+    """The arrays that a part of the training changes, by name."""
+    if part.layer is None:
+        return model.parameters
+    layer = model.layers[part.layer]
+    return {"w": layer.w, "b": layer.b}
+
+
+def input_of(part: Part, model: ConvAutoencoder, windows: np.ndarray) -> np.ndarray:
+    """Clean windows or, for a layer but the lowest, what the layers below it make of them.
 
     They encode 64 windows at a time to save memory.
     """
-    parts = [windows[start : start + 64] for start in range(0, len(windows), 64)]
-    return np.concatenate([model.encode(part, layer) for part in parts])
+    if not part.layer:
+        return windows
+    starts = range(0, len(windows), 64)
+    return np.concatenate([model.encode(windows[n : n + 64], part.layer) for n in starts])

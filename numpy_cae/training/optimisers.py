@@ -1,8 +1,7 @@
 """Stochastic gradient descent (holden2015, section 6), with momentum, with a bounded norm; and
-Adam: steps whose length does not depend on the size of the gradient. At the end the learning rates.
+Adam: steps whose length does not depend on the size of the gradient.
 """
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
@@ -88,27 +87,29 @@ def clip_norm(gradients: Sequence[np.ndarray], bound: float) -> float:
     """
     if not bound > 0:
         raise ValueError(f"the bound on the gradient's norm is {bound}, expected it above 0")
-    norm = float(np.sqrt(sum(float(np.vdot(each, each)) for each in gradients)))
+    norm = float(np.sqrt(sum(float(np.vdot(gradient, gradient)) for gradient in gradients)))
     if norm > bound:
-        for each in gradients:
-            each *= bound / norm
+        for gradient in gradients:
+            gradient *= bound / norm
     return norm
 
 
 class Sgd:
-    """Gradient descent on named parameters; `state` holds the velocities for a checkpoint."""
+    """Gradient descent on named parameters; `arrays` holds the velocities for a checkpoint."""
 
     def __init__(self, parameters: dict[str, np.ndarray], momentum: float = 0.0):
         self.parameters = parameters
         self.momentum = momentum
-        named = parameters.items() if momentum else ()
-        self.state = {f"velocity of {name}": np.zeros_like(array) for name, array in named}
+        self.arrays: dict[str, np.ndarray] = {}
+        if momentum:
+            for name, array in parameters.items():
+                self.arrays[f"velocity of {name}"] = np.zeros_like(array)
 
     def update(self, gradients: Arrays, rate: float) -> None:
         """Take one step; the gradients are in the order of the parameters."""
         parameters = self.parameters.values()
         if self.momentum:
-            velocities = self.state.values()
+            velocities = self.arrays.values()
             descend_with_momentum(parameters, velocities, gradients, rate, self.momentum)
         else:
             descend(parameters, gradients, rate)
@@ -137,7 +138,7 @@ class Adam:
 
     Dividing by 1 - β₁ᵗ corrects this bias; v likewise. So the first step is η · g / (|g| + ε).
 
-    `state` holds m, v and t for a checkpoint.
+    `arrays` holds m, v and t for a checkpoint.
 
     References
     ----------
@@ -157,7 +158,7 @@ class Adam:
         self.means = {f"mean of {name}": np.zeros_like(w) for name, w in parameters.items()}
         self.squares = {f"square of {name}": np.zeros_like(w) for name, w in parameters.items()}
         self.count = np.zeros((), dtype=np.int64)
-        self.state = {**self.means, **self.squares, "steps of Adam": self.count}
+        self.arrays = {**self.means, **self.squares, "steps of Adam": self.count}
 
     def update(self, gradients: Arrays, rate: float) -> None:
         """Take one step in place; the gradients are in the order of the parameters."""
@@ -166,9 +167,9 @@ class Adam:
         root = (1 - BETA_2 ** int(self.count)) ** 0.5
         rate = rate * root / (1 - BETA_1 ** int(self.count))
         epsilon = EPSILON * root
-        arrays = self.parameters.values(), self.means.values(), self.squares.values(), gradients
-        for together in zip(*arrays, strict=True):
-            for w, m, v, g in _blocks(together):
+        parts = self.parameters.values(), self.means.values(), self.squares.values(), gradients
+        for arrays in zip(*parts, strict=True):
+            for w, m, v, g in _blocks(arrays):
                 m += (1 - BETA_1) * (g - m)
                 v += (1 - BETA_2) * (g * g - v)
                 w -= rate * m / (np.sqrt(v) + epsilon)
@@ -182,74 +183,10 @@ def _blocks(arrays: tuple[np.ndarray, ...]) -> Iterator[tuple[np.ndarray, ...]]:
         yield tuple(array[start : start + rows] for array in arrays)
 
 
-WARM_UP = 0.3
-"""In this share of a one-cycle schedule the rate rises; then it falls."""
-FIRST = 1 / 25
-"""A one-cycle schedule starts at this share of its peak rate."""
-LAST = 1e-5
-"""A one-cycle schedule ends at this share of its peak rate."""
-
-
-def decayed_rate(initial: float, decay: float, epoch: int) -> float:
-    """η_e = η_0 · decay^e: the learning rate of an epoch in holden2015, section 6.
-
-    "initially set to the value of 0.5 and slowly decayed by a factor of 0.9 at each epoch"
-
-    Parameters
-    ----------
-    initial, decay : float
-        η_0 and the factor.
-    epoch : int
-        e, counted from 0.
-
-    Returns
-    -------
-    rate : float
-
-    Examples
-    --------
-    >>> [round(decayed_rate(0.5, 0.9, epoch), 3) for epoch in (0, 1, 24)]
-    [0.5, 0.45, 0.04]
-    """
-    return initial * decay**epoch
-
-
-def one_cycle(peak: float, share: float) -> float:
-    """The learning rate at a point of the training: half a cosine up, then half a cosine down.
-
-    The rate starts at peak / 25, reaches the peak after 30% of the steps and ends near 0. The small
-    rates at the start let Adam's estimates settle, those at the end let the weights settle.
-
-    Parameters
-    ----------
-    peak : float
-    share : float
-        The steps done, as a share (0 to 1) of all steps.
-
-    Returns
-    -------
-    rate : float
-
-    References
-    ----------
-    Smith and Topin, "Super-convergence", 2018, with the cosines of PyTorch's OneCycleLR.
-
-    Examples
-    --------
-    >>> [round(one_cycle(1.0, share), 3) for share in (0, 0.15, 0.3, 0.65, 1)]
-    [0.04, 0.52, 1.0, 0.5, 0.0]
-    """
-    if share < WARM_UP:
-        return peak * _half_cosine(FIRST, 1.0, share / WARM_UP)
-    return peak * _half_cosine(1.0, LAST, (share - WARM_UP) / (1 - WARM_UP))
-
-
-def _half_cosine(start: float, end: float, share: float) -> float:
-    return end + (start - end) * (1 + math.cos(math.pi * share)) / 2
-
-
-def rate_at(stage: Stage | SequenceSchedule, epoch: int, step: int, steps: int) -> float:
-    """The learning rate of a step; epochs and the `steps` steps of each count from 0."""
-    if stage.rate_schedule == "one-cycle":
-        return one_cycle(stage.rate, (epoch * steps + step) / (stage.epochs * steps))
-    return decayed_rate(stage.rate, stage.decay, epoch)
+def make_optimiser(
+    stage: Stage | SequenceSchedule, parameters: dict[str, np.ndarray]
+) -> Sgd | Adam:
+    """The optimiser of a stage, which changes these arrays in place."""
+    if stage.optimiser == "adam":
+        return Adam(parameters)
+    return Sgd(parameters, stage.momentum)

@@ -4,7 +4,7 @@ import shutil
 import sys
 import time
 
-from numpy_cae.training.loop import HELD_OUT, TrainingState
+from numpy_cae.training.state import HELD_OUT, TrainingState
 
 INTERVAL_SECONDS = 30.0
 """INTERVAL_SECONDS: within an epoch, a line is printed when this time (s) has passed since the last

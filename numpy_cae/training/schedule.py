@@ -1,7 +1,15 @@
-"""How long and how fast to train; the defaults are those of holden2015, section 6."""
+"""How long and how fast to train; the defaults are those of holden2015, section 6. At the end the
+learning rate of a step."""
 
-from dataclasses import dataclass, field, replace
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, is_dataclass, replace
 from typing import Literal
+
+import numpy as np
+
+Damage = Callable[[np.ndarray, np.random.Generator], np.ndarray]
+"""Takes windows (B, T, C) and a generator, and returns damaged copies."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,9 +33,15 @@ class Stage:
     norm: float | None = None  # bound on the gradient's norm; the paper has none
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
-    displacement: float = 0.0  # `size` of `damage_stretches`, which is not used where it is 0
-    chains: tuple[tuple[int, ...], ...] = ()  # of that damage; `learn_manifold` sets them
-    noise: float = 0.0  # largest standard deviation of the noise that is added to a window
+    damage: Damage | None = None  # further corruption, such as `manifold.augmentation.FileDamage`
+
+    def __post_init__(self) -> None:
+        # A checkpoint and a model file say by which settings a network was trained.
+        if self.damage is not None and not is_dataclass(self.damage):
+            raise ValueError(
+                f"damage is {self.damage!r}, expected a dataclass with a method __call__, whose "
+                "fields are the settings"
+            )
 
 
 @dataclass(frozen=True)
@@ -145,3 +159,76 @@ def recipe(name: str) -> Schedule:
     if name not in RECIPES:
         raise ValueError(f"there is no recipe {name!r}, expected one of {', '.join(RECIPES)}")
     return RECIPES[name]
+
+
+WARM_UP = 0.3
+"""In this share of a one-cycle schedule the rate rises; then it falls."""
+FIRST = 1 / 25
+"""A one-cycle schedule starts at this share of its peak rate."""
+LAST = 1e-5
+"""A one-cycle schedule ends at this share of its peak rate."""
+
+
+def decayed_rate(initial: float, decay: float, epoch: int) -> float:
+    """η_e = η_0 · decay^e: the learning rate of an epoch in holden2015, section 6.
+
+    "initially set to the value of 0.5 and slowly decayed by a factor of 0.9 at each epoch"
+
+    Parameters
+    ----------
+    initial, decay : float
+        η_0 and the factor.
+    epoch : int
+        e, counted from 0.
+
+    Returns
+    -------
+    rate : float
+
+    Examples
+    --------
+    >>> [round(decayed_rate(0.5, 0.9, epoch), 3) for epoch in (0, 1, 24)]
+    [0.5, 0.45, 0.04]
+    """
+    return initial * decay**epoch
+
+
+def one_cycle(peak: float, share: float) -> float:
+    """The learning rate at a point of the training: half a cosine up, then half a cosine down.
+
+    The rate starts at peak / 25, reaches the peak after 30% of the steps and ends near 0. The small
+    rates at the start let Adam's estimates settle, those at the end let the weights settle.
+
+    Parameters
+    ----------
+    peak : float
+    share : float
+        The steps done, as a share (0 to 1) of all steps.
+
+    Returns
+    -------
+    rate : float
+
+    References
+    ----------
+    Smith and Topin, "Super-convergence", 2018, with the cosines of PyTorch's OneCycleLR.
+
+    Examples
+    --------
+    >>> [round(one_cycle(1.0, share), 3) for share in (0, 0.15, 0.3, 0.65, 1)]
+    [0.04, 0.52, 1.0, 0.5, 0.0]
+    """
+    if share < WARM_UP:
+        return peak * _half_cosine(FIRST, 1.0, share / WARM_UP)
+    return peak * _half_cosine(1.0, LAST, (share - WARM_UP) / (1 - WARM_UP))
+
+
+def _half_cosine(start: float, end: float, share: float) -> float:
+    return end + (start - end) * (1 + math.cos(math.pi * share)) / 2
+
+
+def rate_at(stage: Stage | SequenceSchedule, epoch: int, step: int, steps: int) -> float:
+    """The learning rate of a step; epochs and the `steps` steps of each count from 0."""
+    if stage.rate_schedule == "one-cycle":
+        return one_cycle(stage.rate, (epoch * steps + step) / (stage.epochs * steps))
+    return decayed_rate(stage.rate, stage.decay, epoch)

@@ -1,14 +1,16 @@
 """The training of jang2018's network: clips, a prior and directions drawn anew at every step."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from copy import deepcopy
 
 import numpy as np
 
-from numpy_cae.models import SequentialAutoencoder
-from numpy_cae.training.loop import Checkpoint, TrainingState
-from numpy_cae.training.optimisers import clip_norm
-from numpy_cae.training.schedule import SequenceSchedule
+from numpy_cae.models import Losses, SequentialAutoencoder
+from numpy_cae.training.checkpoint import Checkpoint
+from numpy_cae.training.divergence import require_finite
+from numpy_cae.training.optimisers import Adam, Sgd, clip_norm, make_optimiser
+from numpy_cae.training.schedule import SequenceSchedule, rate_at
+from numpy_cae.training.state import TrainingState
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]
 """Takes a generator and a number B, and returns B clips (B, T, features), others at each call."""
@@ -58,38 +60,54 @@ def train_sequential(
     40
     """
     schedule = schedule or SequenceSchedule()
-    state = TrainingState(model.weights, np.random.default_rng(rng))
+    rng = np.random.default_rng(rng)
+    state = TrainingState()
     if checkpoint is not None:
         # A copy draws, so that a run with a checkpoint draws the same as one without.
-        checkpoint.load_into(state, draw(deepcopy(state.rng), schedule.batch), schedule)
-    for _ in sequential_steps(model, draw, schedule, state):
-        if report is not None:
-            report(state)
+        clips = draw(deepcopy(rng), schedule.batch)
+        checkpoint.begin_run(state, rng, model.weights, clips, schedule)
+
+    optimiser = make_optimiser(schedule, model.weights)
+    state.begin_stage("sequences", schedule.epochs, schedule.steps)
+    if checkpoint is not None:
+        checkpoint.begin_stage(optimiser.arrays)
+
+    for epoch in range(state.epoch, schedule.epochs):
+        for step in range(state.step, schedule.steps):
+            clips = draw(rng, schedule.batch)
+            rate = rate_at(schedule, epoch, step, schedule.steps)
+            losses = take_step(model, clips, schedule, optimiser, rate, rng)
+            require_finite(losses.total, model.weights, clips, rate, state, checkpoint)
+            state.losses.setdefault("reconstruction", []).append(losses.reconstruction)
+            state.losses.setdefault("discrepancy", []).append(losses.discrepancy)
+            state.count_step(losses.total, len(clips))
+            if report is not None:
+                report(state)
+            if checkpoint is not None:
+                checkpoint.save_when_due(state)
+    state.end_stage()
     return state
 
 
-def sequential_steps(
-    model: SequentialAutoencoder, draw: Draw, schedule: SequenceSchedule, state: TrainingState
-) -> Iterator[None]:
-    """Train from `state` on, and yield after every step: the loop of `train_sequential`.
+def take_step(
+    model: SequentialAutoencoder,
+    clips: np.ndarray,
+    schedule: SequenceSchedule,
+    optimiser: Sgd | Adam,
+    rate: float,
+    rng: np.random.Generator,
+) -> Losses:
+    """Take one step, and return the losses before it; if they are not finite, no weight is changed.
 
-    A step draws clips, points of the prior and directions, computes the loss and its gradients, and
-    updates the weights; if the loss is not finite, no weight is changed.
+    Points of the prior and directions are drawn anew.
     """
-    clips_an_epoch = schedule.steps * schedule.batch
-    terms = state.losses
-    for _, rate in state.steps_of("sequences", schedule, model.weights, clips_an_epoch):
-        clips = draw(state.rng, schedule.batch)
-        prior = state.rng.standard_normal((len(clips), model.latent)).astype(clips.dtype)
-        directions = unit_directions(schedule.directions, model.latent, state.rng, clips.dtype)
-        losses, gradients = model.loss_and_gradients(clips, prior, directions, schedule.weight)
-        if np.isfinite(losses.total):
-            clip_norm(list(gradients.values()), schedule.norm)
-            state.optimiser.update(gradients.values(), rate)
-        terms.setdefault("reconstruction", []).append(losses.reconstruction)
-        terms.setdefault("discrepancy", []).append(losses.discrepancy)
-        state.end_step(losses.total, clips, rate)
-        yield
+    prior = rng.standard_normal((len(clips), model.latent)).astype(clips.dtype)
+    directions = unit_directions(schedule.directions, model.latent, rng, clips.dtype)
+    losses, gradients = model.loss_and_gradients(clips, prior, directions, schedule.weight)
+    if np.isfinite(losses.total):
+        clip_norm(list(gradients.values()), schedule.norm)
+        optimiser.update(gradients.values(), rate)
+    return losses
 
 
 def unit_directions(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.training.loop import HELD_OUT
+from numpy_cae.training.state import HELD_OUT
 from numpy_cae.viz.actor import Actor
 
 if TYPE_CHECKING:

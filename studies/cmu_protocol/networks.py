@@ -13,7 +13,8 @@ import numpy as np
 from numpy_cae.fast import accelerate
 from numpy_cae.manifold.completion import project_shifted
 from numpy_cae.models import ConvAutoencoder
-from numpy_cae.training.optimisers import Adam, clip_norm, one_cycle
+from numpy_cae.training.optimisers import Adam, clip_norm
+from numpy_cae.training.schedule import one_cycle
 from studies.cmu_protocol.protocol import FOLDS, GROUPS, Fill, add_residual, gaussian_process
 
 START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}

@@ -5,8 +5,9 @@ measurements of its error.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,8 @@ from numpy_cae.manifold.completion import zeroed_fraction
 from numpy_cae.manifold.learning import BURN_IN, HIDDEN, LATENT, mean_and_deviation
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import cut_clips, cut_windows, draw_clips
-from numpy_cae.training.layerwise import autoencoder_steps
 from numpy_cae.training.optimisers import BETA_2
-from numpy_cae.training.sequential import Draw, sequential_steps
+from numpy_cae.training.sequential import Draw
 from studies.jang2018.actions import synthetic_action
 from studies.shared.material import Material, testing_of
 from studies.shared.messages import note
@@ -42,8 +42,9 @@ HELD_OUT_STEP = 600
 NONE = training.Stage(epochs=0)
 Curve = list[tuple[float, float]]
 """The seconds of training, and the held-out error, after each epoch."""
-Trained = tuple[Any, Iterator[None]]
-"""A network, and its training: an epoch at each `next`."""
+AfterEpoch = Callable[[], None]
+Training = tuple[Any, Callable[[AfterEpoch], object]]
+"""A network, and a function that trains it and calls another after each epoch."""
 
 
 def time_to_quality(material: Material, seed: int = 0) -> Table:
@@ -57,18 +58,20 @@ def time_to_quality(material: Material, seed: int = 0) -> Table:
     damaged = training.zero_values(testing.x, 0.5, np.random.default_rng(seed))
     given = damaged / (1 - zeroed_fraction(damaged))
     model = accelerate(ConvAutoencoder(rng=np.random.default_rng(seed), initial=schedule.initial))
-    state = training.TrainingState(model.parameters, np.random.default_rng(seed))
-    steps = autoencoder_steps(model, x, training.Schedule(NONE, schedule.fine_tuning), state)
+    fine_tuning = training.Schedule(NONE, schedule.fine_tuning)
 
-    def trained(stage: training.Stage, beta_2: float) -> Trained:
+    def train(after_epoch: AfterEpoch) -> None:
+        training.train_autoencoder(model, x, fine_tuning, seed, _epoch_report(after_epoch))
+
+    def in_torch(stage: training.Stage, beta_2: float) -> Training:
         network = TorchModel(model)
-        return network, torch_epochs(network, x, stage, beta_2)
+        return network, partial(train_in_torch, network, x, stage, beta_2)
 
     def error(network: Any) -> float:
         return testing.error(network.project(given))
 
-    ours = model, (None for _ in steps if state.step == 0)
-    return _quality_of(ours, trained, (USUAL, schedule.fine_tuning), error, "cm", seed)
+    settings = USUAL, schedule.fine_tuning
+    return _quality_of((model, train), in_torch, settings, error, "cm", seed)
 
 
 def sequences_to_quality(seed: int = 0) -> Table:
@@ -85,36 +88,54 @@ def sequences_to_quality(seed: int = 0) -> Table:
     rng = np.random.default_rng(seed)
     untrained = SequentialAutoencoder(len(mean), HIDDEN, LATENT, rng, burn_in=BURN_IN)
     model = accelerate(untrained)
-    state = training.TrainingState(model.weights, np.random.default_rng(seed))
-    steps = sequential_steps(model, draw, schedule, state)
 
-    def trained(by: training.SequenceSchedule, beta_2: float) -> Trained:
+    def train(after_epoch: AfterEpoch) -> None:
+        training.train_sequential(model, draw, schedule, seed, _epoch_report(after_epoch))
+
+    def in_torch(settings: training.SequenceSchedule, beta_2: float) -> Training:
         network = TorchSequences(model)
-        return network, torch_sequence_epochs(network, draw, by, beta_2, seed)
+        return network, partial(train_sequences_in_torch, network, draw, settings, beta_2, seed)
 
     def error(network: Any) -> float:
         return float(np.mean((network.denoise(held_out) - held_out) ** 2, dtype=np.float64))
 
-    ours = model, (None for _ in steps if state.step == 0)
-    both = USUAL_SEQUENCES, schedule
-    return _quality_of(ours, trained, both, error, "of the variance", seed)
+    settings = USUAL_SEQUENCES, schedule
+    return _quality_of((model, train), in_torch, settings, error, "of the variance", seed)
+
+
+def _epoch_report(after_epoch: AfterEpoch) -> Callable[[training.TrainingState], None]:
+    """A report of a training that calls a function after each epoch."""
+
+    def report(state: training.TrainingState) -> None:
+        if state.step == 0:
+            after_epoch()
+
+    return report
 
 
 def _quality_of(
-    ours: Trained, trained: Callable, by: Sequence, error: Callable, unit: str, seed: int
+    ours: Training,
+    in_torch: Callable[..., Training],
+    settings: tuple,
+    error: Callable[[Any], float],
+    unit: str,
+    seed: int,
 ) -> Table:
     """Our training, and PyTorch's by the usual settings and by ours, one after the other."""
     if torch is None:
         raise ValueError("PyTorch is not installed (package torch)")
     torch.manual_seed(seed)
-    theirs = {
-        "PyTorch, usual settings": trained(by[0], USUAL_BETA_2),
-        "PyTorch, our settings": trained(by[1], BETA_2),
+    usual, same = settings
+    trainings = {
+        "numpy_cae": ours,
+        "PyTorch, usual settings": in_torch(usual, USUAL_BETA_2),
+        "PyTorch, our settings": in_torch(same, BETA_2),
     }
-    next(trained(replace(by[0], epochs=1), USUAL_BETA_2)[1])  # the first steps take seconds
+    _, warm_up = in_torch(replace(usual, epochs=1), USUAL_BETA_2)
+    warm_up(lambda: None)  # the first steps take seconds
     curves = {}
-    for name, (network, epochs) in ({"numpy_cae": ours} | theirs).items():
-        curves[name] = curve(epochs, lambda net=network: error(net))
+    for name, (network, train) in trainings.items():
+        curves[name] = curve(train, partial(error, network))
     return quality(curves, unit)
 
 
@@ -131,24 +152,28 @@ def _windows(material: Material, rms: float) -> tuple[np.ndarray, Clips]:
     return np.concatenate(cut), testing_of(frame, material)[0]
 
 
-def curve(epochs: Iterator[None], error: Callable[[], float]) -> Curve:
-    """Train for one epoch at each `next`, and measure the error after each."""
+def curve(train: Callable[[AfterEpoch], object], error: Callable[[], float]) -> Curve:
+    """Train, and measure the error after each epoch."""
     measured: Curve = []
     seconds = 0.0
     start = time.perf_counter()
-    for _ in epochs:
+
+    def after_epoch() -> None:
+        nonlocal seconds, start
         seconds += time.perf_counter() - start
         measured.append((seconds, error()))
         note(f"epoch {len(measured)}: {seconds:.1f} s, held-out error {measured[-1][1]:.3f}")
         start = time.perf_counter()
+
+    train(after_epoch)
     return measured
 
 
 def quality(curves: dict[str, Curve], unit: str) -> Table:
     """The seconds of each training to the lowest error that all reach; ours is the first."""
-    lowest = {name: min(error for _, error in each) for name, each in curves.items()}
+    lowest = {name: min(error for _, error in points) for name, points in curves.items()}
     target = max(lowest.values())
-    needed = {name: min(s for s, e in each if e <= target) for name, each in curves.items()}
+    needed = {name: min(s for s, e in points if e <= target) for name, points in curves.items()}
     first = next(iter(needed.values()))
     rows = [[n, s, s / first, curves[n][-1][0], lowest[n]] for n, s in needed.items()]
     seconds = f"seconds to {target:.3f} {unit}"
@@ -156,47 +181,57 @@ def quality(curves: dict[str, Curve], unit: str) -> Table:
     return Table("", header, rows, ("", ".1f", ".2f", ".1f", ".3f"))
 
 
-def torch_epochs(
-    model: TorchModel, x: np.ndarray, stage: training.Stage, beta_2: float
-) -> Iterator[None]:
-    """Denoising end to end in PyTorch, an epoch at each `next`, by Adam and a one-cycle rate."""
-    every = windows(x)
-    update = _update(model, stage, -(-len(every) // stage.batch), beta_2)
+def train_in_torch(
+    model: TorchModel,
+    x: np.ndarray,
+    stage: training.Stage,
+    beta_2: float,
+    after_epoch: AfterEpoch,
+) -> None:
+    """Denoising end to end in PyTorch, by Adam and a one-cycle rate."""
+    clean = windows(x)
+    update = _update(model, stage, -(-len(clean) // stage.batch), beta_2)
     low, high = stage.zeroed
     for _ in range(stage.epochs):
-        for chosen in torch.randperm(len(every)).split(stage.batch):
-            batch = every[chosen]
+        for chosen in torch.randperm(len(clean)).split(stage.batch):
+            batch = clean[chosen]
             p = low + (high - low) * torch.rand(len(batch), 1, 1)
             corrupted = batch * (torch.rand(batch.shape) >= p) / (1 - p)
             update(model.loss(batch, corrupted, [None] * len(model.layers), model.layers))
-        yield
+        after_epoch()
 
 
-def torch_sequence_epochs(
-    model: TorchSequences, draw: Draw, by: training.SequenceSchedule, beta_2: float, seed: int
-) -> Iterator[None]:
+def train_sequences_in_torch(
+    model: TorchSequences,
+    draw: Draw,
+    schedule: training.SequenceSchedule,
+    beta_2: float,
+    seed: int,
+    after_epoch: AfterEpoch,
+) -> None:
     """The same of the sequential network."""
     rng = np.random.default_rng(seed)
-    update = _update(model, by, by.steps, beta_2)
-    for _ in range(by.epochs):
-        for _ in range(by.steps):
-            prior = rng.standard_normal((by.batch, LATENT), dtype=np.float32)
-            directions = training.unit_directions(by.directions, LATENT, rng, np.float32)
-            given = map(torch.tensor, (draw(rng, by.batch), prior, directions))
-            update(model.loss(*given, by.weight))
-        yield
+    update = _update(model, schedule, schedule.steps, beta_2)
+    for _ in range(schedule.epochs):
+        for _ in range(schedule.steps):
+            prior = rng.standard_normal((schedule.batch, LATENT), dtype=np.float32)
+            directions = training.unit_directions(schedule.directions, LATENT, rng, np.float32)
+            clips = draw(rng, schedule.batch)
+            tensors = (torch.tensor(array) for array in (clips, prior, directions))
+            update(model.loss(*tensors, schedule.weight))
+        after_epoch()
 
 
-def _update(model: Any, by: Any, steps: int, beta_2: float) -> Callable[[Any], None]:
+def _update(model: Any, settings: Any, steps: int, beta_2: float) -> Callable[[Any], None]:
     """A step of Adam with a one-cycle rate, from the loss; an epoch has so many."""
     optimiser = torch.optim.Adam(model.parameters, betas=(0.9, beta_2), fused=True)
-    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, by.rate, by.epochs * steps)
+    rates = torch.optim.lr_scheduler.OneCycleLR(optimiser, settings.rate, settings.epochs * steps)
 
     def update(loss: Any) -> None:
         optimiser.zero_grad()
         loss.backward()
-        if by.norm is not None:
-            torch.nn.utils.clip_grad_norm_(model.parameters, by.norm)
+        if settings.norm is not None:
+            torch.nn.utils.clip_grad_norm_(model.parameters, settings.norm)
         optimiser.step()
         rates.step()
 

@@ -11,7 +11,13 @@ import numpy as np
 import pytest
 
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import Checkpoint, CheckpointError, DivergedError, TrainingState
+from numpy_cae.training import (
+    Checkpoint,
+    CheckpointError,
+    DivergedError,
+    TrainingState,
+    checkpoint,
+)
 from numpy_cae.training.layerwise import train_autoencoder
 from numpy_cae.training.schedule import Schedule, SequenceSchedule, Stage
 from numpy_cae.training.sequential import train_sequential
@@ -46,21 +52,23 @@ def interrupt(after):
 
 def train(path=None, schedule=SCHEDULE, windows=WINDOWS, report=None, bound=0.9, resume=False):
     """The weights by name, and the losses of each stage."""
-    checkpoint, rng = path and Checkpoint(path, 0.0, resume), np.random.default_rng(0)
+    file = path and Checkpoint(path, 0.0, resume)
+    rng = np.random.default_rng(0)
     if isinstance(schedule, Schedule):
         model = ConvAutoencoder(3, (4, 5), taps=3, bound=bound, rng=rng)
-        history = train_autoencoder(model, windows, schedule, 1, report, checkpoint)
-        return model.parameters, history.losses
+        state = train_autoencoder(model, windows, schedule, 1, report, file)
+        return model.parameters, state.losses
     model = SequentialAutoencoder(3, 5, 2, rng)
-    history = train_sequential(model, draw, schedule, 1, report, checkpoint)
-    return model.weights, history.losses
+    state = train_sequential(model, draw, schedule, 1, report, file)
+    return model.weights, state.losses
 
 
-def same(one, other):
+def are_equal(first, second):
     """Whether the weights and the losses are equal to the last bit."""
-    (weights, losses), (others, other_losses) = one, other
-    equal = [np.array_equal(weights[name], others[name]) for name in others]
-    return all(equal) and losses == other_losses
+    weights, losses = first
+    weights_2, losses_2 = second
+    equal = [np.array_equal(weights[name], weights_2[name]) for name in weights_2]
+    return all(equal) and losses == losses_2
 
 
 @pytest.mark.parametrize(
@@ -70,41 +78,57 @@ def same(one, other):
     + [(SHORT, after) for after in (0, 3, 4)],
 )
 def test_a_resumed_run_is_bit_identical(tmp_path, schedule, after):
-    whole = train(schedule=schedule)
+    uninterrupted = train(schedule=schedule)
     with pytest.raises(Interrupted):
         train(tmp_path / "c.npz", schedule, report=interrupt(after))
     for _ in range(2):  # the second time from its very end
-        assert same(whole, train(tmp_path / "c.npz", schedule, resume=True))
+        assert are_equal(uninterrupted, train(tmp_path / "c.npz", schedule, resume=True))
 
 
 def test_the_seconds_of_the_interrupted_run_count():
-    state = TrainingState({}, np.random.default_rng(0))
-    state.seconds["layer 1"] = 1000.0
-    next(state.steps_of("layer 1", Stage(epochs=1), {}, 2))
-    state.end_step(1.0, WINDOWS[:1], 0.5)
+    state = TrainingState(seconds={"layer 1": 1000.0})
+    state.begin_stage("layer 1", epochs=1, steps=2)
+    state.count_step(1.0, examples=1)
     assert 1000 <= state.seconds["layer 1"] < 1001
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        (SCHEDULE, WINDOWS * 2),
-        (SCHEDULE, WINDOWS.reshape(14, 4, 3)),
-        (SCHEDULE, WINDOWS, None, 0.8),
-        (ADAM,),
-        (replace(SHORT, rate=0.1),),
-    ],
-)
-def test_a_checkpoint_is_not_overwritten_unasked_nor_used_for_another_run(tmp_path, other):
-    path, own = tmp_path / "c.npz", SCHEDULE if isinstance(other[0], Schedule) else SHORT
+@pytest.mark.parametrize("schedule", [SCHEDULE, SHORT])
+def test_a_checkpoint_is_not_overwritten_unasked(tmp_path, schedule):
+    path = tmp_path / "c.npz"
     assert Checkpoint(path).status() == "no state has been saved yet"
-    train(path, own)
+    train(path, schedule)
     before = path.read_bytes()
     with pytest.raises(CheckpointError, match="--resume"):
-        train(path, own)
-    with pytest.raises(CheckpointError, match="other motions"):
-        train(path, *other, resume=True)
+        train(path, schedule)
     assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("schedule", "changed"),
+    [
+        (SCHEDULE, {"windows": WINDOWS * 2}),
+        (SCHEDULE, {"windows": WINDOWS.reshape(14, 4, 3)}),
+        (SCHEDULE, {"bound": 0.8}),
+        (SCHEDULE, {"schedule": ADAM}),
+        (SHORT, {"schedule": replace(SHORT, rate=0.1)}),
+    ],
+)
+def test_a_checkpoint_is_not_used_for_another_run(tmp_path, schedule, changed):
+    path = tmp_path / "c.npz"
+    train(path, schedule)
+    before = path.read_bytes()
+    with pytest.raises(CheckpointError, match="other motions"):
+        train(path, **{"schedule": schedule} | changed, resume=True)
+    assert path.read_bytes() == before
+
+
+def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "c.npz"
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoint, "FORMAT", "numpy_cae checkpoint 5")
+        train(path)
+    with pytest.raises(CheckpointError, match="not a checkpoint of this version"):
+        train(path, resume=True)
 
 
 def test_a_checkpoint_that_is_damaged(tmp_path):
@@ -129,27 +153,29 @@ def test_a_failure_while_a_state_is_written_leaves_the_old_one(
     tmp_path, monkeypatch, owner, name, failure
 ):
     """Four states are saved, and what the fifth leaves open is collected silently."""
-    path, made, complaints = tmp_path / "c.npz", [0], []
+    path = tmp_path / "c.npz"
+    calls = []
+    complaints = []
     function = getattr(owner, name)
 
-    def failing(argument):
-        made[0] += 1
-        if made[0] == 5:
+    def fail_at_the_fifth_call(argument):
+        calls.append(argument)
+        if len(calls) == 5:
             raise failure
         return function(argument)
 
     with monkeypatch.context() as patch:
         patch.setattr(sys, "unraisablehook", complaints.append)
-        patch.setattr(owner, name, failing)
+        patch.setattr(owner, name, fail_at_the_fifth_call)
         with pytest.raises((KeyboardInterrupt, CheckpointError)) as raised:
             train(path)
         gc.collect()
-    assert made[0] > 4 and complaints == []
+    assert len(calls) > 4 and complaints == []
     if isinstance(failure, OSError):
-        said = r"No space left.*\(layer 1, 1 epochs and 0 steps done\)\. Correct"
-        assert raised.type is CheckpointError and raised.match(said)
-    assert [each.name for each in tmp_path.iterdir()] == ["c.npz"]
-    assert same(train(), train(path, resume=True))
+        message = r"No space left.*\(layer 1, 1 epochs and 0 steps done\)\. Correct"
+        assert raised.type is CheckpointError and raised.match(message)
+    assert [file.name for file in tmp_path.iterdir()] == ["c.npz"]
+    assert are_equal(train(), train(path, resume=True))
 
 
 def test_divergence_names_the_part_and_the_checkpoint_which_keeps_only_finite_states(tmp_path):
@@ -157,10 +183,10 @@ def test_divergence_names_the_part_and_the_checkpoint_which_keeps_only_finite_st
     schedule = Schedule(Stage(epochs=1, rate=0.1), Stage(epochs=5, rate=1e20, decay=1.0))
     with pytest.raises(DivergedError) as failure, np.errstate(all="ignore"):
         train(path, schedule)
-    said = str(failure.value)
-    assert said.startswith("fine tuning, epoch 1, step ")
-    assert "not finite: the output of fine tuning;" in said
-    assert f"the last good state is in {path} (" in said
+    message = str(failure.value)
+    assert message.startswith("fine tuning, epoch 1, step ")
+    assert "not finite: the output of fine tuning;" in message
+    assert f"the last good state is in {path} (" in message
     with np.load(path) as file:
         assert all(np.isfinite(file[name]).all() for name in file.files if "array" in name)
 
@@ -170,6 +196,7 @@ def test_within_an_epoch_a_state_is_saved_only_when_the_last_one_is_old(tmp_path
     monkeypatch.setattr("time.monotonic", lambda: 5.0)  # no time passes: 0 s after the last one
     monkeypatch.setattr(Checkpoint, "save", lambda self, state: saved.append(state.step))
     for seconds in (1e9, 0.0):
-        kept = Checkpoint(tmp_path / "c.npz", seconds)
-        train_autoencoder(ConvAutoencoder(3, (4, 5)), WINDOWS, SCHEDULE, checkpoint=kept)
+        model = ConvAutoencoder(3, (4, 5))
+        interval = Checkpoint(tmp_path / "c.npz", seconds)
+        train_autoencoder(model, WINDOWS, SCHEDULE, checkpoint=interval)
     assert saved == [0] * 6 + [1, 2, 3, 0] * 6

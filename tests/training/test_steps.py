@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from numpy_cae.training import Adam, Stage, clip_norm, unit_directions
-from numpy_cae.training.optimisers import Sgd, one_cycle, rate_at
+from numpy_cae.training.optimisers import Sgd
+from numpy_cae.training.schedule import one_cycle, rate_at
 
 
 def test_directions_have_length_one_and_no_preferred_direction():
@@ -17,8 +18,11 @@ def test_directions_have_length_one_and_no_preferred_direction():
 
 def test_adam_and_momentum_are_their_definitions_as_sums_over_all_gradients():
     gradients = np.random.default_rng(0).normal(size=(20, 3)).astype(np.float32)
-    w, moved, expected = np.ones(3, np.float32), np.zeros(3), np.ones(3)
-    adam, momentum = Adam({"w": w}), Sgd({"moved": moved}, momentum=0.9)
+    w = np.ones(3, np.float32)
+    moved = np.zeros(3)
+    expected = np.ones(3)
+    adam = Adam({"w": w})
+    momentum = Sgd({"moved": moved}, momentum=0.9)
     for t in range(1, 21):
         adam.update([gradients[t - 1]], rate=0.02)
         momentum.update([gradients[t - 1]], rate=0.02)
@@ -33,11 +37,12 @@ def test_adam_and_momentum_are_their_definitions_as_sums_over_all_gradients():
 
 
 def test_a_long_gradient_keeps_its_direction_and_a_short_one_its_values():
-    one, two = np.array([3.0, 0.0]), np.array([[0.0, 4.0]])
-    assert clip_norm([one, two], 1.0) == pytest.approx(5)
-    assert clip_norm([one, two], 2.0) == pytest.approx(1)
-    np.testing.assert_allclose(one, [0.6, 0])
-    np.testing.assert_allclose(two, [[0, 0.8]])
+    row = np.array([3.0, 0.0])
+    matrix = np.array([[0.0, 4.0]])
+    assert clip_norm([row, matrix], 1.0) == pytest.approx(5)
+    assert clip_norm([row, matrix], 2.0) == pytest.approx(1)
+    np.testing.assert_allclose(row, [0.6, 0])
+    np.testing.assert_allclose(matrix, [[0, 0.8]])
     for bound in (0.0, -1.0, np.nan):
         with pytest.raises(ValueError, match="above 0"):
             clip_norm([np.ones(2)], bound)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.motion import JOINTS, PARENTS
-from numpy_cae.training.loop import HELD_OUT
+from numpy_cae.training.state import HELD_OUT
 from numpy_cae.viz import Actor, LiveCurve, losses_figure, matrix_figure, strip_figure
 from numpy_cae.viz.figures import bones, camera_view
 

@@ -24,17 +24,22 @@ from numpy_cae.atomic_write import require_place
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import bodies, in_halves, usable
 from numpy_cae.evaluation.tables import NOTE, half_removed, reconstruction
+from numpy_cae.manifold.augmentation import FileDamage, mirror
 from numpy_cae.manifold.learning import HIDDEN, LATENT, learn_manifold, learn_sequences
 from numpy_cae.mocap.load import find_motion_files, is_test, load_angles
 from numpy_cae.motion import ANGLE_RATE, CLIP, LENGTH, RATE
 
-_STARTER = {"epochs": 50, "rate": 3e-4, "zeroed": (0.0, 0.3), "displacement": 0.3, "noise": 0.02}
 _BEST = training.RECIPES["best"]
-RECIPES = training.RECIPES | {
-    "starter": replace(
-        _BEST, fine_tuning=replace(_BEST.fine_tuning, **_STARTER, rescaled=False, norm=None)
-    )
-}
+_STARTER = replace(
+    _BEST.fine_tuning,
+    epochs=50,
+    rate=3e-4,
+    zeroed=(0.0, 0.3),
+    rescaled=False,
+    norm=None,
+    damage=FileDamage(displacement=0.3, noise=0.02),
+)
+RECIPES = training.RECIPES | {"starter": replace(_BEST, fine_tuning=_STARTER)}
 
 COMMON = {
     "epochs": "number of epochs; with recipe paper of each layer, and of fine tuning",
@@ -114,9 +119,11 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = [path for group in files.values() for path in group]
     takes, testing = in_halves(bodies(args, paths), args.test, RATE)
-    settings |= {"mirror": args.recipe == "starter", "testing": testing}
-    settings |= given(args, *CONVOLUTIONAL)
-    manifold = learn_manifold(takes, schedule_of(args), **settings)
+    learned = takes
+    if args.recipe == "starter":
+        learned = [*takes, *(mirror(take) for take in takes)]
+    settings |= {"testing": testing} | given(args, *CONVOLUTIONAL)
+    manifold = learn_manifold(learned, schedule_of(args), **settings)
     manifold.settings["folders"] = [
         {"name": folder.resolve().name, "files": len(group)}
         | {"test": sum(is_test(path, args.test) for path in group)}

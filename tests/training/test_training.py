@@ -10,9 +10,17 @@ import pytest
 
 from numpy_cae.fast import accelerate, fast_conv_autoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.training import ProgressPrinter, layerwise, optimisers, progress, sequential
+from numpy_cae.training import (
+    DivergedError,
+    ProgressPrinter,
+    TrainingState,
+    layerwise,
+    optimisers,
+    progress,
+    sequential,
+)
+from numpy_cae.training.divergence import require_finite
 from numpy_cae.training.layerwise import train_autoencoder
-from numpy_cae.training.loop import DivergedError, TrainingState
 from numpy_cae.training.schedule import RECIPES, Schedule, SequenceSchedule, Stage, recipe
 from numpy_cae.training.sequential import train_sequential
 
@@ -51,26 +59,26 @@ def parameters(model):
     return model.parameters if isinstance(model, ConvAutoencoder) else model.weights
 
 
-def trained(schedule, draw=waves, off=0.0, model=None, engine=lambda model: model, **more):
+def train(schedule, draw=waves, off=0.0, model=None, engine=lambda model: model, report=None):
     """The weights by name, and the losses of each stage."""
     model = model or new_model(schedule)
     rng = np.random.default_rng(0)
     if isinstance(model, ConvAutoencoder):
         windows = WINDOWS if draw is waves else draw(rng, 12)
-        history = train_autoencoder(engine(model), windows, schedule, rng, **more)
+        state = train_autoencoder(engine(model), windows, schedule, rng, report)
     else:
         model.weights["latent_b"] += off
-        history = train_sequential(engine(model), draw, schedule, rng, **more)
-    return parameters(model), history.losses
+        state = train_sequential(engine(model), draw, schedule, rng, report)
+    return parameters(model), state.losses
 
 
 @pytest.mark.parametrize("name", SCHEDULES)
 def test_both_engines_train_alike(name):
-    ours, losses = trained(SCHEDULES[name], report=ProgressPrinter())
-    fast, fast_losses = trained(SCHEDULES[name], engine=accelerate)
+    plain, losses = train(SCHEDULES[name], report=ProgressPrinter())
+    fast, fast_losses = train(SCHEDULES[name], engine=accelerate)
     for stage, values in losses.items():
         np.testing.assert_allclose(fast_losses[stage], values, rtol=1e-4)
-    for weight, values in ours.items():
+    for weight, values in plain.items():
         np.testing.assert_allclose(fast[weight], values, atol=2e-4, err_msg=weight)
 
 
@@ -80,10 +88,10 @@ def test_runs_on_as_many_threads_are_equal_to_the_bit_others_but_for_rounding(
 ):
     monkeypatch.setattr(fast_conv_autoencoder, "MIN_MULTIPLICATIONS", 0)
     engines = [partial(accelerate, threads=count) for count in (threads, threads, 1)]
-    one, two, single = (trained(SCHEDULES[name], engine=engine)[0] for engine in engines)
-    for weight in one:
-        np.testing.assert_array_equal(one[weight], two[weight])
-        np.testing.assert_allclose(one[weight], single[weight], atol=1e-4)
+    first, second, single = (train(SCHEDULES[name], engine=engine)[0] for engine in engines)
+    for weight in first:
+        np.testing.assert_array_equal(first[weight], second[weight])
+        np.testing.assert_allclose(first[weight], single[weight], atol=1e-4)
 
 
 def test_the_defaults_are_the_papers():
@@ -98,9 +106,9 @@ def test_the_defaults_are_the_papers():
 
 
 def test_every_stage_lowers_its_loss():
-    _, losses = trained(Schedule(Stage(epochs=4), Stage(epochs=4, rate=0.05, alpha=0.0)))
+    _, losses = train(Schedule(Stage(epochs=4), Stage(epochs=4, rate=0.05, alpha=0.0)))
     assert list(losses) == ["layer 1", "layer 2", "fine tuning"]
-    assert all(len(each) == 4 and each[-1] < each[0] for each in losses.values())
+    assert all(len(curve) == 4 and curve[-1] < curve[0] for curve in losses.values())
 
 
 def sequence(**changes):
@@ -109,7 +117,7 @@ def sequence(**changes):
 
 
 def test_it_learns_to_reconstruct_sequences():
-    _, losses = trained(sequence(), engine=accelerate)
+    _, losses = train(sequence(), engine=accelerate)
     errors = losses["reconstruction"]
     assert len(errors) == len(losses["discrepancy"]) == 120
     assert np.mean(errors[-12:]) < np.mean(errors[:12]) / 2
@@ -119,26 +127,27 @@ def test_it_learns_to_reconstruct_sequences():
 
 def test_the_regulariser_brings_the_latents_to_the_prior():
     """They begin three off its centre, and only λ has a reason to bring them there."""
-    free, held = (
-        trained(sequence(weight=weight, epochs=2), off=3.0, engine=accelerate)[1]
-        for weight in (0.0, 1.0)
-    )
-    assert np.mean(held["discrepancy"][-20:]) < np.mean(free["discrepancy"][-20:]) / 2
+    discrepancy = {}
+    for weight in (0.0, 1.0):
+        _, losses = train(sequence(weight=weight, epochs=2), off=3.0, engine=accelerate)
+        discrepancy[weight] = np.mean(losses["discrepancy"][-20:])
+    assert discrepancy[1.0] < discrepancy[0.0] / 2
 
 
 def test_clips_prior_and_directions_are_drawn_anew_at_every_step(monkeypatch):
     """The discrepancy is measured on fresh draws: no point of the prior is seen twice."""
-    seen, original = [], SequentialAutoencoder.loss_and_gradients
+    calls = []
+    original = SequentialAutoencoder.loss_and_gradients
 
-    def recorded(self, *given):
-        seen.append(deepcopy(given))
-        return original(self, *given)
+    def record(self, *arguments):
+        calls.append(deepcopy(arguments))
+        return original(self, *arguments)
 
-    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", recorded)
-    trained(sequence(epochs=2, steps=30))
-    clips, priors, directions, weights = zip(*seen, strict=True)
+    monkeypatch.setattr(SequentialAutoencoder, "loss_and_gradients", record)
+    train(sequence(epochs=2, steps=30))
+    clips, priors, directions, weights = zip(*calls, strict=True)
     for drawn in (clips, priors, directions):
-        assert len({each.tobytes() for each in drawn}) == 60 and drawn[0].dtype == np.float32
+        assert len({array.tobytes() for array in drawn}) == 60 and drawn[0].dtype == np.float32
     assert set(weights) == {0.05}
     points = np.concatenate(priors)
     assert len(np.unique(points, axis=0)) == len(points) == 60 * 16
@@ -155,61 +164,76 @@ of_both = pytest.mark.parametrize(
 @of_both
 def test_a_step_is_never_longer_than_the_rate_times_the_bound(monkeypatch, schedule):
     """The gradients of the last update, all of them together, are clipped before they descend."""
-    clipped, used, clip_norm = [], [], sequential.clip_norm
+    before = []
+    after = []
+
+    def clip_norm(gradients, bound):
+        before.append(optimisers.clip_norm(gradients, bound))
 
     def update(self, gradients, rate):
-        used.append(np.sqrt(sum(float(np.sum(each**2)) for each in gradients)))
+        after.append(np.sqrt(sum(float(np.sum(gradient**2)) for gradient in gradients)))
 
     for module in (layerwise, sequential):
-        monkeypatch.setattr(module, "clip_norm", lambda *of: clipped.append(clip_norm(*of)))
+        monkeypatch.setattr(module, "clip_norm", clip_norm)
     monkeypatch.setattr(optimisers.Sgd, "update", update)
-    trained(schedule)
-    assert max(clipped) > 0.02  # or there was nothing to clip
-    np.testing.assert_allclose(used, np.minimum(clipped, 0.02), rtol=1e-4)
+    train(schedule)
+    assert max(before) > 0.02  # or there was nothing to clip
+    np.testing.assert_allclose(after, np.minimum(before, 0.02), rtol=1e-4)
 
 
 @of_both
 def test_the_rate_decays_by_the_epoch(monkeypatch, schedule):
     rates = []
     monkeypatch.setattr(optimisers.Sgd, "update", lambda self, gradients, rate: rates.append(rate))
-    trained(schedule)
+    train(schedule)
     assert rates == [0.4, 0.4, 0.2, 0.2, 0.1, 0.1]
 
 
 def test_each_stage_gets_the_clean_input_and_a_corrupted_copy(monkeypatch):
     """Layer 2 learns from what layer 1 makes of the clean windows, corrupted anew (Vincent)."""
     stages = Schedule(layer=Stage(epochs=3), fine_tuning=Stage(epochs=2, rate=0.01, alpha=0.0))
-    model, calls = new_model(stages), []
+    model = new_model(stages)
+    calls = []
     original = model.loss_and_gradients
 
-    def recorded(x, corrupted, alpha, first, layer):
-        below = model.layers[0].encode_with_pullback(WINDOWS)[0] if layer else WINDOWS
-        whole = {window.tobytes() for window in below}
+    def record(x, corrupted, alpha, first, layer):
+        clean = model.layers[0].encode_with_pullback(WINDOWS)[0] if layer else WINDOWS
+        clean_windows = {window.tobytes() for window in clean}
         if layer != 0:  # layer 1 is still moving while it trains, those above it are not
-            assert all(window.tobytes() in whole for window in x)
+            assert all(window.tobytes() in clean_windows for window in x)
         lost = corrupted != x
         assert np.all(corrupted[lost] == 0)
         calls.append((layer, alpha, first is not None, lost.mean()))
         return original(x, corrupted, alpha, first, layer)
 
-    monkeypatch.setattr(model, "loss_and_gradients", recorded)
-    trained(stages, model=model)
+    monkeypatch.setattr(model, "loss_and_gradients", record)
+    train(stages, model=model)
     of_layers = [(layer, 0.01, True) for layer in (0, 1) for _ in range(36)]
     assert [call[:3] for call in calls] == of_layers + [(None, 0.0, False)] * 24
     assert np.mean([call[3] for call in calls]) == pytest.approx(0.1, abs=0.02)
+
+
+def test_the_input_of_a_layer_is_encoded_by_the_layers_below_it():
     x = np.resize(WINDOWS, (130, 40, 5))  # more windows than are encoded at a time
-    np.testing.assert_allclose(layerwise.hidden_below(model, x, 1), model.encode(x, 1), atol=1e-6)
+    model = new_model(Schedule())
+    part = layerwise.Part("layer 2", 1, Stage())
+    np.testing.assert_allclose(layerwise.input_of(part, model, x), model.encode(x, 1), atol=1e-6)
 
 
 def test_an_epoch_shows_every_window_once_in_a_new_order_and_has_their_mean_loss(monkeypatch):
     """Batches of 3, 3, 3 and 1: the small one counts for its window and no more."""
-    schedule, shown = Schedule(Stage(epochs=2, batch=3), NO_EPOCH), []
+    schedule = Schedule(Stage(epochs=2, batch=3), NO_EPOCH)
     model = new_model(schedule, (4,))
-    still = [[np.zeros_like(array) for array in model.parameters.values()]]
-    number = lambda x, *more: shown.append(x[:, 0, 0]) or (float(len(shown)), still)  # noqa: E731
-    monkeypatch.setattr(model, "loss_and_gradients", number)
+    no_gradients = [[np.zeros_like(array) for array in model.parameters.values()]]
+    shown = []
+
+    def number_of_the_step(x, *_):
+        shown.append(x[:, 0, 0])
+        return float(len(shown)), no_gradients
+
+    monkeypatch.setattr(model, "loss_and_gradients", number_of_the_step)
     windows = np.arange(10, dtype=np.float32)[:, None, None] * np.ones((1, 8, 5), np.float32)
-    _, losses = trained(schedule, lambda *_: windows, model=model)
+    _, losses = train(schedule, lambda *_: windows, model=model)
     first, second = shown[:4], shown[4:]
     assert [len(batch) for batch in first] == [3, 3, 3, 1]
     assert sorted(np.concatenate(first)) == list(range(10))
@@ -220,7 +244,8 @@ def test_an_epoch_shows_every_window_once_in_a_new_order_and_has_their_mean_loss
 
 def test_a_batch_steps_along_the_mean_of_its_gradients():
     """Two windows in one step move the weights by the mean of what each would do."""
-    moved, stage = [], Stage(epochs=1, rate=0.1, batch=2, alpha=0.0, zeroed=0.0)
+    stage = Stage(epochs=1, rate=0.1, batch=2, alpha=0.0, zeroed=0.0)
+    moved = []
     for chosen in ([0], [1], [0, 1]):
         model = new_model(Schedule())
         before = model.layers[0].w.copy()
@@ -232,8 +257,7 @@ def test_a_batch_steps_along_the_mean_of_its_gradients():
 def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(monkeypatch, capsys):
     clock = SimpleNamespace(monotonic=lambda: clock.now, now=100.0)
     monkeypatch.setattr(progress, "time", clock)
-    state = TrainingState({}, np.random.default_rng(0), name="layer 1", epochs=4, steps=8)
-    state.seconds["layer 1"] = 60.0
+    state = TrainingState(name="layer 1", epochs=4, steps=8, seconds={"layer 1": 60.0})
     printer = ProgressPrinter()
     for columns, passed, epoch, step, shown in (
         (0, 30, 1, 4, ""),
@@ -256,14 +280,17 @@ def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(m
 def test_a_loss_that_is_not_finite_changes_no_weight(schedule):
     with pytest.raises(DivergedError, match=r"epoch 1, step 1: .* is nan.*finite: the input"):
         model = new_model(schedule)
-        trained(schedule, lambda rng, n: np.full((n, 8, 5), np.nan, np.float32), model=model)
-    before, after = (parameters(each) for each in (new_model(schedule), model))
-    assert all(np.array_equal(array, before[name]) for name, array in after.items())
+        train(schedule, lambda rng, n: np.full((n, 8, 5), np.nan, np.float32), model=model)
+    before = parameters(new_model(schedule))
+    for name, array in parameters(model).items():
+        np.testing.assert_array_equal(array, before[name])
 
 
 def test_weights_are_checked_at_the_end_of_an_epoch():
-    state = TrainingState({"w1": np.ones(2), "b1": np.array([np.inf])}, np.random.default_rng(0))
-    next(state.steps_of("layer 1", Stage(epochs=1), {}, 2))
-    state.end_step(0.1, WINDOWS, 0.5)
+    weights = {"w1": np.ones(2), "b1": np.array([np.inf])}
+    state = TrainingState()
+    state.begin_stage("layer 1", epochs=1, steps=2)
+    require_finite(0.1, weights, WINDOWS, 0.5, state, None)
+    state.count_step(0.1, examples=1)
     with pytest.raises(DivergedError, match=r"step 2: .* at rate 0\.5; not finite: b1; there"):
-        state.end_step(0.1, WINDOWS, 0.5)
+        require_finite(0.1, weights, WINDOWS, 0.5, state, None)
