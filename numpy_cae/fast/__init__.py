@@ -7,21 +7,21 @@
 Reading order, each file using those before it:
 
 blocks                       a convolution of a block of frames as y = C ((A x) ∘ (G w))
-convolution                  `conv1d` by blocks, with its pullback: the whole idea in one function
 products                     matrix products in pieces that BLAS multiplies at full speed, and the
                              memory of their arrays
 thread_team                  Python threads that share the windows, each with one BLAS thread
-layer_convolution            the convolutions with W in the encoder and W̃ in the decoder, with one
-                             transform of the filters, or for one window by the definition's form
-workspace                    a layer with its pullbacks in fixed buffers; one thread's windows
-                             through all layers and back; the threads together
+layer_convolution            the convolutions with W in the encoder and W̃ in the decoder:
+                             `SpectralConvolution` by blocks, with one transform of the filters, and
+                             `DirectConvolution` for one window, by the definition's form
+workspace                    `FastLayer`, a layer with its pullbacks in fixed buffers; `Worker`, one
+                             thread's windows through all layers and back; `Workspace`, the threads
+                             together
 fast_conv_autoencoder        `ConvAutoencoder` with these
 fast_sequential_autoencoder  `SequentialAutoencoder` by one recurrence without frames
 """
 
 from typing import Any
 
-from numpy_cae.fast.convolution import conv1d
 from numpy_cae.fast.fast_conv_autoencoder import FastConvAutoencoder
 from numpy_cae.fast.fast_sequential_autoencoder import FastSequentialAutoencoder
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
@@ -30,7 +30,6 @@ __all__ = [
     "FastConvAutoencoder",
     "FastSequentialAutoencoder",
     "accelerate",
-    "conv1d",
     "with_engine",
 ]
 

@@ -80,11 +80,21 @@ def blocks(taps: int, frames: int, dtype: str = "float64") -> Blocks:
     c = np.stack([cos - sin, -sin, -cos], axis=1) * np.where(real, 1, 2)[:, None, None] / points
     needed = np.ones((len(f), 3), bool)
     needed[real, 1:] = False
-    matrices = []
-    for matrix in (a[needed], g[needed], c[needed].T):
-        matrices.append(np.ascontiguousarray(matrix, dtype=dtype))
-        matrices[-1].flags.writeable = False
-    return Blocks(*matrices, frames, points, len(matrices[0]))
+    return Blocks(
+        a=_constant(a[needed], dtype),
+        g=_constant(g[needed], dtype),
+        c=_constant(c[needed].T, dtype),
+        frames=frames,
+        points=points,
+        products=int(needed.sum()),
+    )
+
+
+def _constant(matrix: np.ndarray, dtype: str) -> np.ndarray:
+    """A contiguous copy that cannot be written."""
+    rounded = np.ascontiguousarray(matrix, dtype=dtype)
+    rounded.flags.writeable = False
+    return rounded
 
 
 def block_length(frames: int, longest: int) -> tuple[int, int]:

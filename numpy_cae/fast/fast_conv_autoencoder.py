@@ -5,7 +5,8 @@ Each public method runs a method of `Worker` on all workers, threads with their 
 
 import threading
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -17,13 +18,14 @@ from numpy_cae.ops.shapes import require_shape
 
 MAX_FRAMES = 16 * 160
 """A thread computes at most this many frames at a time when no gradient is needed. (With four times
-as many the buffers no longer fit the cache, with half as many it waits for the filters.)"""
+as many the buffers no longer fit the cache, with half as many it waits for the filters: measured on
+one machine.)"""
 
 MIN_MULTIPLICATIONS = 10_000_000
 """Where a direct convolution has fewer multiplications, threads cost more than they save."""
 
 MAX_WORKSPACES = 4
-"""So many are kept: training uses two batch sizes, since the last batch is smaller."""
+"""So many workspaces are kept: training uses two batch sizes, since the last batch is smaller."""
 
 
 class FastConvAutoencoder(ConvAutoencoder):
@@ -41,7 +43,7 @@ class FastConvAutoencoder(ConvAutoencoder):
         self._make_workspace = lru_cache(MAX_WORKSPACES)(Workspace)
         self._lock = threading.Lock()  # several threads may call one model: one uses its buffers
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._model, self._threads)  # copies and pickles start without buffers
 
     def encode(self, x: np.ndarray, layers: int | None = None) -> np.ndarray:
@@ -71,25 +73,30 @@ class FastConvAutoencoder(ConvAutoencoder):
         layer: int | None = None,
     ) -> tuple[float, conv_autoencoder.Gradients]:
         """Equation 3 and its derivatives, as `ConvAutoencoder.loss_and_gradients`."""
-        layers = self.layers if layer is None else [self.layers[layer]]
-        conv_autoencoder.require_denoising_arguments(layers, x, corrupted, first)
-        dtype = np.result_type(x, corrupted, *(each.w for each in layers))
-        dws = [np.empty(each.w.shape, dtype) for each in layers]
-        masks = [None] * len(layers) if first is None else first
+        used = self.layers if layer is None else [self.layers[layer]]
+        conv_autoencoder.require_denoising_arguments(used, x, corrupted, first)
+        dtype = np.result_type(x, corrupted, *(conv_layer.w for conv_layer in used))
+        dws = [np.empty(conv_layer.w.shape, dtype) for conv_layer in used]
+        masks: list[np.ndarray | None] = [None] * len(used) if first is None else list(first)
 
-        def work(worker: Worker) -> None:
+        def pull_back(worker: Worker) -> None:
             part = worker.windows
-            of_thread = [None if mask is None else mask[part] for mask in masks]
-            worker.pull_back(x[part], corrupted[part], alpha, of_thread)
+            masks_of_part = [None if mask is None else mask[part] for mask in masks]
+            worker.pull_back(x[part], corrupted[part], alpha, masks_of_part)
 
         with self._lock:
             rates = [2 if mask is None else 1 for mask in masks]
-            workspace = self._workspace(layers, *x.shape[:2], dtype, rates)
-            workspace.run(layers, work, dws)
+            workspace = self._workspace(used, len(x), x.shape[1], dtype, rates)
+            workspace.run(used, pull_back, dws)
             workers = workspace.workers
             loss = sum(worker.loss for worker in workers)
-            dbs = [sum(each.layers[k].db for each in workers) for k in range(len(layers))]
-        return loss, list(zip(dws, dbs, strict=True))
+            gradients = []
+            for k, dw in enumerate(dws):
+                db = workers[0].layers[k].db.copy()
+                for worker in workers[1:]:
+                    db += worker.layers[k].db
+                gradients.append((dw, db))
+        return loss, gradients
 
     def _computed(
         self,
@@ -99,21 +106,18 @@ class FastConvAutoencoder(ConvAutoencoder):
         frames: int,
         shape: tuple[int, ...],
     ) -> np.ndarray:
-        """What workers compute of x, (B, *shape), in parts that bound the memory.
+        """`compute` of x by the workers, (B, *shape), in parts that bound the memory.
 
         `frames` are those of motion.
         """
-        out = np.empty((len(x), *shape), np.result_type(x, *(each.w for each in layers)))
+        out = np.empty((len(x), *shape), np.result_type(x, *(layer.w for layer in layers)))
         windows = max(1, MAX_FRAMES * thread_team(self._threads).size // max(frames, 1))
         with self._lock:
             for start in range(0, len(x) if frames else 0, windows):
-                given = x[start : start + windows]
-                taken = out[start : start + windows]
-
-                def work(worker: Worker, given=given, taken=taken) -> None:
-                    taken[worker.windows] = compute(worker, given[worker.windows])
-
-                self._workspace(layers, len(given), frames, out.dtype).run(layers, work)
+                part = slice(start, start + windows)
+                work = partial(_compute_windows, compute, x[part], out[part])
+                workspace = self._workspace(layers, len(x[part]), frames, out.dtype)
+                workspace.run(layers, work)
         return out
 
     def _workspace(
@@ -126,9 +130,30 @@ class FastConvAutoencoder(ConvAutoencoder):
         training = bool(rates)
         rates = rates or [2] * len(layers)
         sizes = tuple(
-            LayerSizes(*layer.w.shape, batch, frames >> k, rates[k], training, dtype)
+            LayerSizes(
+                taps=layer.w.shape[0],
+                channels=layer.w.shape[1],
+                filters=layer.w.shape[2],
+                batch=batch,
+                frames=frames >> k,
+                rate=rates[k],
+                training=training,
+                dtype=dtype,
+            )
             for k, layer in enumerate(layers)
         )
-        work = sum(batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers))
-        team = thread_team(1 if work < MIN_MULTIPLICATIONS else self._threads)
+        multiplications = sum(
+            batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers)
+        )
+        team = thread_team(1 if multiplications < MIN_MULTIPLICATIONS else self._threads)
         return self._make_workspace(sizes, tuple(layer.bound for layer in layers), team)
+
+
+def _compute_windows(
+    compute: Callable[[Worker, np.ndarray], np.ndarray],
+    x: np.ndarray,
+    out: np.ndarray,
+    worker: Worker,
+) -> None:
+    """Write what a worker computes of its windows of x into those of `out`."""
+    out[worker.windows] = compute(worker, x[worker.windows])

@@ -16,13 +16,13 @@ gradient for the state after the step,
 where ds is the first three parts of dv, and da the last three.
 
 **The frames of all steps are one product.** The encoder's are known before its first step: Wᵀ x + b
-of all of them is `given`. The decoder's are a map of its states, y = Fᵀ h + e, so a step needs no
-frame, only more columns beside U:
+of all of them are `input_terms`. The decoder's are a map of its states, y = Fᵀ h + e, so a step
+needs no frame, only more columns beside U:
 
     Wᵀ y + b = (F W)ᵀ h + (Wᵀ e + b)
 
 Its first input is zero, not the frame of h_0, so what that frame adds is subtracted from the first
-step's `given`. The gradients of all weights are products over every step and clip at once.
+step's `input_terms`. The gradients of all weights are products over every step and clip at once.
 """
 
 from collections.abc import Callable, Sequence
@@ -37,7 +37,8 @@ from numpy_cae.ops.shapes import Pullback
 
 MIN_STATES_PER_THREAD = 2048
 """A thread has at least so many numbers of states. With fewer, one thread alone is faster: the
-threads wait for the interpreter lock, and a product of 8 columns takes as long as one of 16."""
+threads wait for the interpreter lock, and a product of 8 columns takes as long as one of 16.
+Measured on one machine, with AVX-512."""
 
 MAX_CLIPS = 128
 """At most so many clips are computed at a time when no gradient is needed."""
@@ -78,24 +79,26 @@ class FastSequentialAutoencoder(SequentialAutoencoder):
 
     def _write_frames(self, h: np.ndarray, steps: int) -> tuple[Sequence[np.ndarray], Pullback]:
         y, pullback = self._by_threads(lambda h0: write(h0, steps, self.weights), h)
-        return y.swapaxes(0, 1), lambda d_written: pullback(np.stack(d_written, axis=1))
+        return list(y.swapaxes(0, 1)), lambda d_written: pullback(np.stack(d_written, axis=1))
 
     def _by_threads(self, compute: Callable, x: np.ndarray) -> tuple[np.ndarray, Pullback]:
         """`compute`, which returns a value and a pullback to dh_0 and gradients, of clips x."""
         most = len(x) * self.hidden // MIN_STATES_PER_THREAD
         team = thread_team(max(1, min(thread_team(self._threads).size, most, len(x))))
         clips = [share(len(x), number, team.size) for number in range(team.size)]
-        computed = team.run(lambda number: compute(x[clips[number]]))
+        results = team.run(lambda number: compute(x[clips[number]]))
+        values = [value for value, _ in results]
+        pullbacks = [pullback for _, pullback in results]
 
         def pullback(dy: np.ndarray) -> tuple[np.ndarray, Weights]:
-            pulled = team.run(lambda number: computed[number][1](dy[clips[number]]))
+            pulled = team.run(lambda number: pullbacks[number](dy[clips[number]]))
             totals = pulled[0][1]
             for _, gradients in pulled[1:]:
                 for name, gradient in gradients.items():
                     totals[name] += gradient
             return np.concatenate([dh0 for dh0, _ in pulled]), totals
 
-        return np.concatenate([value for value, _ in computed]), pullback
+        return np.concatenate(values), pullback
 
 
 def _in_parts(compute: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
@@ -109,10 +112,10 @@ def read(x: np.ndarray, weights: Weights) -> tuple[np.ndarray, Pullback]:
     w, u, b, c = gru_weights(weights, "encoder")
     hidden = len(u)
     frames = x.transpose(1, 2, 0)
-    given = aligned_empty((len(frames), 4 * hidden, len(x)), np.result_type(x, w))
-    given[...] = _biases(b, c)
-    given[:, hidden:] += w.T @ frames
-    states, states_pullback = recurrence(given, _new_first(u), np.zeros((hidden, len(x))))
+    input_terms = aligned_empty((len(frames), 4 * hidden, len(x)), np.result_type(x, w))
+    input_terms[...] = _biases(b, c)
+    input_terms[:, hidden:] += w.T @ frames
+    states, states_pullback = recurrence(input_terms, _new_first(u), np.zeros((hidden, len(x))))
 
     def pullback(dh: np.ndarray) -> tuple[np.ndarray, Weights]:
         dh0, dv = states_pullback([0] * (len(frames) - 1) + [dh.T])
@@ -127,14 +130,14 @@ def write(h0: np.ndarray, steps: int, weights: Weights) -> tuple[np.ndarray, Pul
     frame_w = weights["frame_w"]
     frame_b = weights["frame_b"]
     batch, hidden = h0.shape
-    given = aligned_empty((steps, 4 * hidden, batch), np.result_type(h0, w))
-    given[...] = _biases(b + frame_b @ w, c)
-    given[0, hidden:] -= w.T @ (frame_w.T @ h0.T + frame_b[:, None])
-    u_and_fed = aligned_empty((hidden, 4 * hidden), given.dtype)
+    input_terms = aligned_empty((steps, 4 * hidden, batch), np.result_type(h0, w))
+    input_terms[...] = _biases(b + frame_b @ w, c)
+    input_terms[0, hidden:] -= w.T @ (frame_w.T @ h0.T + frame_b[:, None])
+    u_and_fed = aligned_empty((hidden, 4 * hidden), input_terms.dtype)
     u_and_fed[:, : 3 * hidden] = _new_first(u)
     u_and_fed[:, 3 * hidden :] = 0
     u_and_fed[:, hidden:] += frame_w @ w
-    states, states_pullback = recurrence(given, u_and_fed, h0.T)
+    states, states_pullback = recurrence(input_terms, u_and_fed, h0.T)
     frames = frame_w.T @ states + frame_b[:, None]
     frames[0] = 0
 
@@ -151,12 +154,14 @@ def write(h0: np.ndarray, steps: int, weights: Weights) -> tuple[np.ndarray, Pul
     return frames[1:].transpose(2, 0, 1), pullback
 
 
-def recurrence(given: np.ndarray, u: np.ndarray, h0: np.ndarray) -> tuple[np.ndarray, Pullback]:
-    """The states (T + 1, H, B) from h_0 (H, B); what a product with uᵀ adds to is `given`.
+def recurrence(
+    input_terms: np.ndarray, u: np.ndarray, h0: np.ndarray
+) -> tuple[np.ndarray, Pullback]:
+    """The states (T + 1, H, B) from h_0 (H, B); a product with uᵀ is added to `input_terms`.
 
     Parameters
     ----------
-    given : (T, 4H, B) array
+    input_terms : (T, 4H, B) array
         Becomes the factors of the gradients.
     u : (H, 3H or 4H) array
 
@@ -166,24 +171,24 @@ def recurrence(given: np.ndarray, u: np.ndarray, h0: np.ndarray) -> tuple[np.nda
     pullback : d_states -> (dh_0, dv)
         From what the loss adds to the gradients of h_1, …, h_T; dv is (4H, T, B).
     """
-    steps, rows, batch = given.shape
-    factors = given.reshape(steps, 4, len(u), batch)
-    states = aligned_empty((steps + 1, len(u), batch), given.dtype)
+    steps, rows, batch = input_terms.shape
+    factors = input_terms.reshape(steps, 4, len(u), batch)
+    states = aligned_empty((steps + 1, len(u), batch), input_terms.dtype)
     states[0] = h0
-    updates = aligned_empty((steps, len(u), batch), given.dtype)
-    u_transposed = aligned_empty(u.shape[::-1], given.dtype)
+    updates = aligned_empty((steps, len(u), batch), input_terms.dtype)
+    u_transposed = aligned_empty(u.shape[::-1], input_terms.dtype)
     for start in range(0, len(u), 16):  # all in one call take two to three times as long
         u_transposed[:, start : start + 16] = u[start : start + 16].T
-    product = aligned_empty((u.shape[1], batch), given.dtype)
+    product = aligned_empty((u.shape[1], batch), input_terms.dtype)
     for k in range(steps):
         multiply_rows(u_transposed, states[k], product)
-        given[k, : u.shape[1]] += product
+        input_terms[k, : u.shape[1]] += product
         states[k + 1], updates[k] = _step(factors[k], states[k])
 
     def pullback(d_states: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        dv = aligned_empty((rows, steps, batch), given.dtype)
-        dv_step = aligned_empty((4, len(u), batch), given.dtype)
-        dh_through_s = aligned_empty((len(u), batch), given.dtype)
+        dv = aligned_empty((rows, steps, batch), input_terms.dtype)
+        dv_step = aligned_empty((4, len(u), batch), input_terms.dtype)
+        dh_through_s = aligned_empty((len(u), batch), input_terms.dtype)
         dh = np.zeros_like(dh_through_s)
         for k in reversed(range(steps)):
             dh += d_states[k]

@@ -1,5 +1,9 @@
 """Many small matrix products at full speed: in pieces, and in arrays that start at a cache line.
 
+The sizes of the pieces hold for one kernel of one library, that for AVX-512 (SkylakeX) of the
+OpenBLAS in NumPy's wheels, on which they were measured. With another kernel or library the products
+are as correct, but other pieces may be faster.
+
 BLAS copies the factors of a large product into a layout of its own ("packing"). That is negligible
 beside n³ multiplications, and half of the work where one side has 30 rows. OpenBLAS omits the copy
 for products of up to a million multiplications: its kernels for small matrices then run at the
@@ -18,19 +22,20 @@ import weakref
 import numpy as np
 
 MAX_UNPACKED = 1_000_000
-"""A product of at most so many multiplications is not packed (OpenBLAS,
-`sgemm_small_matrix_permit`)."""
+"""A product of at most so many multiplications is not packed: a constant of OpenBLAS's kernel for
+SkylakeX (`sgemm_small_matrix_permit`)."""
 
 MAX_UNPACKED_TRANSPOSED = 1200
 """A product with a transposed second factor is not packed if its result has at most so many
-elements."""
+elements: a constant of the same kernel."""
 
 ROWS = 24
-"""A piece has at most so many rows. The kernels compute 4, 6 or 8 rows at a time, and a piece of
-another height is up to twice as slow."""
+"""A piece has at most so many rows. OpenBLAS's kernels compute 4, 6 or 8 rows at a time, and a
+piece of another height is up to twice as slow. Measured on the kernel for SkylakeX alone."""
 
 COLUMNS = 512
-"""A piece has at most so many columns; wider pieces leave the first level of the cache."""
+"""A piece has at most so many columns; wider pieces leave the first level of the cache. Measured on
+one machine."""
 
 CACHE_LINE_BYTES = 64
 """Every array starts at a multiple of this address."""
@@ -44,9 +49,15 @@ longer."""
 MAX_KEPT_BITS = 26
 """The memory of an array of more bytes than a number of so many bits is not kept for the next."""
 
-_released = threading.local()
-"""Memory that no array uses any more, by the bits of its size, of this thread: it is in the cache
-of its core."""
+
+class _Released(threading.local):
+    """Memory that no array uses any more, of this thread: it is in the cache of its core."""
+
+    def __init__(self) -> None:
+        self.by_bits: dict[int, list[bytearray]] = {}  # the bits of its size
+
+
+_released = _Released()
 
 
 def aligned_empty(shape: tuple[int, ...], dtype: np.dtype | type) -> np.ndarray:
@@ -57,13 +68,13 @@ def aligned_empty(shape: tuple[int, ...], dtype: np.dtype | type) -> np.ndarray:
     """
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
     bits = (size + CACHE_LINE_BYTES).bit_length()
-    released: list[bytearray] = vars(_released).setdefault(bits, [])
+    released = _released.by_bits.setdefault(bits, [])
     memory = released.pop() if released else bytearray(1 << bits)
-    whole = np.frombuffer(memory, np.uint8)  # every view of it keeps it alive
+    octets = np.frombuffer(memory, np.uint8)  # every view of it keeps it alive
     if bits <= MAX_KEPT_BITS:
-        weakref.finalize(whole, released.append, memory)
-    start = -whole.ctypes.data % CACHE_LINE_BYTES
-    return whole[start : start + size].view(dtype).reshape(shape)
+        weakref.finalize(octets, released.append, memory)
+    start = -octets.ctypes.data % CACHE_LINE_BYTES
+    return octets[start : start + size].view(dtype).reshape(shape)
 
 
 def zeros(shape: tuple[int, ...], dtype: np.dtype | type) -> np.ndarray:
@@ -104,16 +115,16 @@ def multiply_rows(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     rows = MAX_UNPACKED // max(inner * columns, 1)
     if b.strides[-1] != b.itemsize:
         rows = min(rows, MAX_UNPACKED_TRANSPOSED // max(columns, 1))
-    whole = 0
+    grouped = 0  # rows of a in complete groups
     if rows < a.shape[-2]:
         rows = min(rows, ROWS) // 8 * 8 or max(rows, 1)
-        whole = a.shape[-2] // rows * rows
-        groups = *a.shape[:-2], whole // rows, rows
-        a_groups = a[..., :whole, :].reshape(*groups, inner)
-        out_groups = out[..., :whole, :].reshape(*groups, columns)
+        grouped = a.shape[-2] // rows * rows
+        groups = *a.shape[:-2], grouped // rows, rows
+        a_groups = a[..., :grouped, :].reshape(*groups, inner)
+        out_groups = out[..., :grouped, :].reshape(*groups, columns)
         np.matmul(a_groups, b[..., None, :, :], out=out_groups)
-    if whole < a.shape[-2]:
-        np.matmul(a[..., whole:, :], b, out=out[..., whole:, :])
+    if grouped < a.shape[-2]:
+        np.matmul(a[..., grouped:, :], b, out=out[..., grouped:, :])
 
 
 def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
@@ -123,12 +134,12 @@ def multiply_columns(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
     """
     width = b.shape[-1]
     at_once = min(COLUMNS, max(MAX_UNPACKED // max(a.size, 1) // 16 * 16, 16))
-    whole = width // at_once * at_once
-    if whole:
-        pieces = _by_columns(out[..., :whole], at_once)
-        np.matmul(a, _by_columns(b[..., :whole], at_once), out=pieces)
-    if whole < width:
-        np.matmul(a, b[..., whole:], out=out[..., whole:])
+    grouped = width // at_once * at_once
+    if grouped:
+        pieces = _by_columns(out[..., :grouped], at_once)
+        np.matmul(a, _by_columns(b[..., :grouped], at_once), out=pieces)
+    if grouped < width:
+        np.matmul(a, b[..., grouped:], out=out[..., grouped:])
 
 
 def _by_columns(array: np.ndarray, at_once: int) -> np.ndarray:

@@ -30,23 +30,32 @@ FUNCTION_NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_",
 
 
 @lru_cache(maxsize=1)
-def _openblas():
+def _openblas() -> tuple[Callable[[], int], Callable[[int], None]] | None:
     """The functions that read and set the number of threads; None where they are not found."""
     package = Path(np.__file__).parent
     folders = (package.parent / "numpy.libs", package / ".libs", package / ".dylibs")
-    for path in (path for folder in folders for path in sorted(folder.glob("*openblas*"))):
-        try:
-            library = ctypes.CDLL(str(path))
-        except OSError:
-            continue
-        for name in FUNCTION_NAMES:
-            read = getattr(library, name.format("get_num_threads"), None)
-            write = getattr(library, name.format("set_num_threads"), None)
-            if read is not None and write is not None:
-                read.restype = ctypes.c_int
-                write.restype = None
-                write.argtypes = [ctypes.c_int]
-                return read, write
+    for folder in folders:
+        for path in sorted(folder.glob("*openblas*")):
+            functions = _thread_functions(path)
+            if functions is not None:
+                return functions
+    return None
+
+
+def _thread_functions(path: Path) -> tuple[Callable[[], int], Callable[[int], None]] | None:
+    """The same functions of the library in a file; None if it has none or cannot be loaded."""
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError:
+        return None
+    for name in FUNCTION_NAMES:
+        read = getattr(library, name.format("get_num_threads"), None)
+        write = getattr(library, name.format("set_num_threads"), None)
+        if read is not None and write is not None:
+            read.restype = ctypes.c_int
+            write.restype = None
+            write.argtypes = [ctypes.c_int]
+            return read, write
     return None
 
 
@@ -89,10 +98,6 @@ _threads_before: list[int] = []
 """The number of threads outside of the blocks, once for each block that has not ended."""
 
 
-Part = Callable[[int], slice]
-"""Takes a number of items, and returns the thread's part of them."""
-
-
 class ThreadTeam:
     """A number of threads; the calling thread is worker 0."""
 
@@ -100,7 +105,7 @@ class ThreadTeam:
         self.size = size
         self._lock = threading.RLock()
         self._barrier = threading.Barrier(size)
-        self._others = ThreadPoolExecutor(max(size - 1, 1), "numpy_cae")
+        self._pool = ThreadPoolExecutor(max(size - 1, 1), "numpy_cae")
 
     def run(self, work: Callable[[int], Any], blas_threads: int = 1) -> list[Any]:
         """work(0), work(1), … in parallel, each with one BLAS thread; waits for all.
@@ -110,7 +115,7 @@ class ThreadTeam:
         """
         with self._lock, one_blas_thread() if blas_threads == 1 else nullcontext():
             jobs = [  # in the caller's context, which holds its settings of NumPy's warnings
-                self._others.submit(copy_context().run, self._guarded, work, worker)
+                self._pool.submit(copy_context().run, self._guarded, work, worker)
                 for worker in range(1, self.size)
             ]
             done = [self._guarded(work, 0), *(job.result() for job in jobs)]
