@@ -33,15 +33,15 @@ RATES = (24.0, 25.0, 30.0, 60.0, 120.0)
 SIZES = (1.0, 0.5, 2.0)
 PLANTED = (*EASED, "spikes", "dropped frames", "jitter of some joints")
 FAST = ("run", "kick", "walk_with_turn", "punch", "jumping_jacks")
-"""FAST: synthetic actions."""
+"""Synthetic actions with fast movements."""
 SYNTHETIC_TAKES = 4
-"""SYNTHETIC_TAKES: of each action of `FAST` so many takes are repaired."""
+"""Of each action of `FAST` so many takes are repaired."""
 CONFIDENCES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.01)
-"""CONFIDENCES: findings are counted between these."""
+"""Findings are counted between these."""
 CHANGED = 0.02
-"""CHANGED: a take is changed much if a joint moves by more than this (m), of a body of size 1."""
+"""A take is changed much if a joint moves by more than this (m), of a body of size 1."""
 NEAR = 0.1
-"""NEAR: what is at most this far from damage counts as damaged (s)."""
+"""What is at most this far from damage counts as damaged (s)."""
 
 
 def run(manifold: MotionManifold, folders: Sequence[Path], every: int = 8, seed: int = 0) -> Result:
@@ -51,17 +51,17 @@ def run(manifold: MotionManifold, folders: Sequence[Path], every: int = 8, seed:
     for source, number, motion in _takes(folders, every):
         for rate, take in at_rates(motion):
             for size in SIZES:
-                repaired = repair_motion(scaled(take, size), manifold)
+                repaired = repair_motion(scale_body(take, size), manifold)
                 name = f"{source}, {rate:g} Hz, size {size:g}"
                 clean[name].append(repaired.moved.max(initial=0.0) / size)
             rng = np.random.default_rng([seed, number])
-            for confidence, is_right in judged(take, manifold, rng):
+            for confidence, is_right in judge_findings(take, manifold, rng):
                 row = int(np.searchsorted(CONFIDENCES, confidence, "right"))
                 right[rate, row].append(is_right)
-    changed = [
-        [name, len(moved), int(np.sum(np.array(moved) > 0)), np.sum(np.array(moved) > CHANGED)]
-        for name, moved in clean.items()
-    ]
+    changed = []
+    for name, moves in clean.items():
+        moves = np.array(moves)
+        changed.append([name, len(moves), np.sum(moves > 0), np.sum(moves > CHANGED)])
     return Result(
         "Clean motion, and the confidence of findings",
         [
@@ -88,22 +88,27 @@ def at_rates(motion: Motion) -> list[tuple[float, Motion]]:
     first = max(0, int((motion.seconds - SECONDS) / 2 * motion.rate))
     middle = motion.at(slice(first, first + round(SECONDS * motion.rate)))
     takes = []
-    for rate in (rate for rate in RATES if rate <= motion.rate + 1):
+    for rate in RATES:
+        if rate > motion.rate + 1:
+            continue
         step = round(motion.rate / rate)
-        exact = abs(step * rate - motion.rate) < 0.1
-        fewer = replace(middle.at(slice(None, None, step)), rate=motion.rate / step)
-        takes.append((rate, fewer if exact else middle.resampled(rate)))
-    return [(rate, take) for rate, take in takes if len(take) >= 2 * rate]
+        if abs(step * rate - motion.rate) < 0.1:
+            take = replace(middle.at(slice(None, None, step)), rate=motion.rate / step)
+        else:
+            take = middle.resampled(rate)
+        if len(take) >= 2 * rate:
+            takes.append((rate, take))
+    return takes
 
 
-def scaled(motion: Motion, size: float) -> Motion:
+def scale_body(motion: Motion, size: float) -> Motion:
     """The motion of a body of another size."""
     return replace(
         motion, skeleton=motion.skeleton.scaled(size), translations=size * motion.translations
     )
 
 
-def judged(
+def judge_findings(
     take: Motion, manifold: MotionManifold, rng: np.random.Generator
 ) -> list[tuple[float, bool]]:
     """The confidence of each finding in a take with damage, and whether it is right."""
@@ -113,12 +118,12 @@ def judged(
         damaged = eased(take, damaged, mask, int(rng.choice(ONSETS)))
     near = with_margin(mask, round(NEAR * take.rate))
     repaired = repair_motion(damaged, manifold)
-    found = []
+    verdicts = []
     for finding in (*repaired.findings, *repaired.proposed):
-        said = missing_joints(damaged, [finding])
-        if said.any() and finding.confidence >= CONFIDENCES[0]:
-            found.append((finding.confidence, bool(near[said].mean() >= 0.5)))
-    return found
+        marked = missing_joints(damaged, [finding])
+        if marked.any() and finding.confidence >= CONFIDENCES[0]:
+            verdicts.append((finding.confidence, bool(near[marked].mean() >= 0.5)))
+    return verdicts
 
 
 def _by_confidence(
@@ -129,7 +134,10 @@ def _by_confidence(
     for row in range(1, len(CONFIDENCES)):
         cells: list[object] = [f"{CONFIDENCES[row - 1]:g} to {min(CONFIDENCES[row], 1):g}"]
         for rate in RATES:
-            each = right[rate, row]
-            cells.append(f"{100 * np.mean(each):.0f} ({len(each)})" if each else None)
+            verdicts = right[rate, row]
+            if verdicts:
+                cells.append(f"{100 * np.mean(verdicts):.0f} ({len(verdicts)})")
+            else:
+                cells.append(None)
         rows.append(cells)
     return ["confidence", *(f"{rate:g} Hz" for rate in RATES)], rows

@@ -71,8 +71,10 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
     errors = {group: _errors(protocol, group, seed) for group in GROUPS}
     rows = []
     for name, sees in SEES.items():
-        cells = [cell for group in GROUPS for cell in _printed(errors[group][name])]
-        rows.append([name, sees, *cells])
+        row: list[object] = [name, sees]
+        for group in GROUPS:
+            row += _cells(errors[group][name])
+        rows.append(row)
     tables = [
         Table("Published", HEADER, PUBLISHED, FORMATS),
         Table(f"Measured; the network from {SEEDS} seeds, mean ± deviation", HEADER, rows, FORMATS),
@@ -93,13 +95,13 @@ def _errors(protocol: Protocol, group: str, seed: int) -> Errors:
         RESIDUAL: [add_residual(gaussian, columns)],
         NETWORK: networks(takes, columns, range(seed, seed + SEEDS)),
     }
-    return {
-        name: np.array([protocol.errors(fill, columns) for fill in each])
-        for name, each in fills.items()
-    }
+    errors = {}
+    for name, fills_of_method in fills.items():
+        errors[name] = np.array([protocol.errors(fill, columns) for fill in fills_of_method])
+    return errors
 
 
-def _printed(errors: np.ndarray) -> list[object]:
+def _cells(errors: np.ndarray) -> list[object]:
     """SC and degrees; mean and deviation where there are several seeds."""
     if len(errors) == 1:
         return list(errors[0])
@@ -110,20 +112,22 @@ def _printed(errors: np.ndarray) -> list[object]:
 
 def _claims(of_groups: dict[str, Errors]) -> list[Claim]:
     published = np.array([row[2:] for row in PUBLISHED if row[0] in (STANDARDISED, RADIANS)])
-    read = [[of_groups[group][name][0] for group in GROUPS] for name in (STANDARDISED, RADIANS)]
-    off = np.abs(np.reshape(read, (2, 4)) - published.astype(float)).max(axis=0)
+    measured = []
+    for name in (STANDARDISED, RADIANS):
+        measured.append(np.concatenate([of_groups[group][name][0] for group in GROUPS]))
+    off = np.abs(np.array(measured) - published.astype(float)).max(axis=0)
     same = bool((off < [0.1, 0.01, 0.1, 0.01]).all())
     figures = f"at most {off[::2].max():.2f} and {off[1::2].max():.3f}° off."
     claims = [Claim("same_protocol", same, figures)]
     for group, errors in of_groups.items():
-        mean = {name: each.mean(axis=0) for name, each in errors.items()}
-        ours = mean.pop(NETWORK)
+        mean = {name: of_seeds.mean(axis=0) for name, of_seeds in errors.items()}
+        network = mean.pop(NETWORK)
         simple = min(mean, key=lambda name: mean[name][0])
         best = BEST[group]
-        figures = f"{NETWORK} {ours[0]:.1f} and {ours[1]:.2f}°"
+        figures = f"{NETWORK} {network[0]:.1f} and {network[1]:.2f}°"
         below = f"{figures}; published {best[0]} and {best[1]}°."
         also = f"{figures}; {simple} {mean[simple][0]:.1f} and {mean[simple][1]:.2f}°."
         of = f"{group} hidden"
-        claims.append(Claim("below_published", bool((ours < np.array(best)).all()), below, of))
-        claims.append(Claim("below_simple", bool((ours < mean[simple]).all()), also, of))
+        claims.append(Claim("below_published", bool((network < np.array(best)).all()), below, of))
+        claims.append(Claim("below_simple", bool((network < mean[simple]).all()), also, of))
     return claims

@@ -54,11 +54,11 @@ PRINCIPAL = "PCA on windows"
 AXES = 30
 RANDOM = "drawn at random"
 DELAYS = (1, 2, 4, 8, 12, 16, 24)
-"""DELAYS: in frames."""
+"""In frames."""
 TAKES = 60
-"""TAKES: the most test takes that are delayed."""
+"""The most test takes that are delayed."""
 MOST = 0.05
-"""MOST: G is invariant if no delay changes it by more than this share of the median distance of two
+"""G is invariant if no delay changes it by more than this share of the median distance of two
 takes."""
 QUERY = "confident walk with a turn"
 SCENES = {
@@ -73,11 +73,11 @@ SCENES = {
     "wave": ("wave", "neutral"),
 }
 """Name of a motion to kind and style of `data_synth`."""
-ALIKE = (QUERY, "confident walk", "walk with a turn")
+SIMILAR = (QUERY, "confident walk", "walk with a turn")
 ODD = ("old man's walk", "sidestep")
 QUERIES = 8
 OF_SCENE = 6
-"""OF_SCENE: each query searches so many motions of each of `SCENES`."""
+"""Each query searches so many motions of each of `SCENES`."""
 SECONDS = 8.0
 NEAREST = 5
 Rows = Callable[[np.ndarray], np.ndarray]
@@ -112,7 +112,7 @@ def retrieval(manifold: MotionManifold, used: Material, rows: dict[str, Rows], s
     every = (rows | scores).items()
     between = {name: distances(of_clip, testing, training) for name, of_clip in every}
     between[RANDOM] = np.random.default_rng(seed).random((len(testing), len(training)))
-    average = retrieved(between, used.testing, used.training)
+    average = average_precisions(between, used.testing, used.training)
     by_distance = {name: [scores[name] for scores in average.values()] for name in between}
     caption = (
         f"{len(testing)} test takes, each searching {len(training)} training takes. Mean average "
@@ -139,38 +139,39 @@ def _claims(average: Scores) -> list[Claim]:
         for label, scores in average.items()
     ]
     keys = {RAW_EXTREMES: "G_is_learned", UNTRAINED: "G_is_learned", PRINCIPAL: "G_against_pca"}
-    for other, key in keys.items():
-        gaps = {label: x[EQUATION_4] - x[other] for label, x in average.items()}
+    for opponent, key in keys.items():
+        gaps = {label: scores[EQUATION_4] - scores[opponent] for label, scores in average.items()}
         listed = "; ".join(f"{label} {gap:+.2f}" for label, gap in gaps.items())
-        higher = all(gap > 0 for gap in gaps.values())
-        claims.append(Claim(key, higher, f"gaps {listed}.", f"against {other}"))
+        is_higher = all(gap > 0 for gap in gaps.values())
+        claims.append(Claim(key, is_higher, f"gaps {listed}.", f"against {opponent}"))
     return claims
 
 
-def retrieved(
+def average_precisions(
     between: dict[str, np.ndarray], queries: Sequence[LabelledTake], gallery: Sequence[LabelledTake]
 ) -> Scores:
     """The mean average precision of every distance, each a (Q, N) array."""
-    average = {}
-    for label, (alike, hidden) in labels_of_pairs(queries, gallery).items():
-        answered = np.any(alike & ~hidden, axis=1)
-        if not answered.any():
+    average: Scores = {}
+    for label, (relevant, hidden) in labels_of_pairs(queries, gallery).items():
+        has_answer = np.any(relevant & ~hidden, axis=1)
+        if not has_answer.any():
             continue
-        visible = {name: np.where(hidden, np.inf, d)[answered] for name, d in between.items()}
-        average[label] = {
-            name: float(average_precision(d, alike[answered]).mean()) for name, d in visible.items()
-        }
+        average[label] = {}
+        for name, distances in between.items():
+            visible = np.where(hidden, np.inf, distances)[has_answer]
+            precision = average_precision(visible, relevant[has_answer])
+            average[label][name] = float(precision.mean())
     return average
 
 
-def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
+def average_precision(distances: np.ndarray, relevant: np.ndarray) -> np.ndarray:
     """The precision at the rank of each relevant motion, averaged over those.
 
     Parameters
     ----------
     distances : (Q, N) array of float
         From each query to each motion of the gallery; infinite for those that are left out.
-    alike : (Q, N) array of bool
+    relevant : (Q, N) array of bool
         The motions that are relevant to each query.
 
     Returns
@@ -182,25 +183,23 @@ def average_precision(distances: np.ndarray, alike: np.ndarray) -> np.ndarray:
     ValueError
         If nothing in the gallery is relevant to one of the queries.
     """
-    alike = alike & np.isfinite(distances)
+    relevant = relevant & np.isfinite(distances)
     order = np.argsort(distances, axis=1, kind="stable")
-    ranked = np.take_along_axis(alike, order, axis=1)
-    found = ranked.sum(axis=1)
-    if np.any(found == 0):
-        query = int(np.argmin(found))
+    ranked = np.take_along_axis(relevant, order, axis=1)
+    count = ranked.sum(axis=1)
+    if np.any(count == 0):
+        query = int(np.argmin(count))
         raise ValueError(f"nothing in the gallery is like query {query}: it has no precision")
     precision = np.cumsum(ranked, axis=1) / np.arange(1, ranked.shape[1] + 1)
-    return np.sum(precision * ranked, axis=1) / found
+    return np.sum(precision * ranked, axis=1) / count
 
 
 def labels_of_pairs(
     queries: Sequence[LabelledTake], gallery: Sequence[LabelledTake]
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """For each label which takes are alike, and which are hidden from the query, both (Q, N)."""
-    content, style = (
-        np.array([[getattr(a, label) == getattr(b, label) for b in gallery] for a in queries])
-        for label in (CONTENT, STYLE)
-    )
+    """For each label which takes are relevant, and which are hidden from the query, both (Q, N)."""
+    content = _equal([take.content for take in queries], [take.content for take in gallery])
+    style = _equal([take.style for take in queries], [take.style for take in gallery])
     both = content & style
     nothing = np.zeros_like(content)
     return {
@@ -212,12 +211,20 @@ def labels_of_pairs(
     }
 
 
-def distances(rows: Rows, clips: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> np.ndarray:
-    """From each of M clips to each of N others, features (F, 63), as (M, N) float64."""
-    parts, other_parts = ([rows(clip) for clip in each] for each in (clips, others))
-    between = cdist(*(np.concatenate(each).astype(float) for each in (parts, other_parts)))
+def _equal(labels: list[str], gallery_labels: list[str]) -> np.ndarray:
+    """Whether each label equals each of the gallery, (Q, N)."""
+    return np.array(labels)[:, None] == np.array(gallery_labels)
+
+
+def distances(rows: Rows, clips: Sequence[np.ndarray], gallery: Sequence[np.ndarray]) -> np.ndarray:
+    """From each of M clips to each of N of the gallery, features (F, 63), as (M, N) float64."""
+    parts = [rows(clip) for clip in clips]
+    gallery_parts = [rows(clip) for clip in gallery]
+    between = cdist(
+        np.concatenate(parts).astype(float), np.concatenate(gallery_parts).astype(float)
+    )
     nearest = np.minimum.reduceat(between, _first_rows(parts), axis=0)
-    return np.minimum.reduceat(nearest, _first_rows(other_parts), axis=1)
+    return np.minimum.reduceat(nearest, _first_rows(gallery_parts), axis=1)
 
 
 def _first_rows(parts: Sequence[np.ndarray]) -> np.ndarray:
@@ -289,14 +296,15 @@ def _delayed(features: np.ndarray, frames: int) -> np.ndarray:
 
 def nearest(manifold: MotionManifold, rows: dict[str, Rows], seed: int) -> Result:
     """Search for the motions nearest to each confident walk with a turn."""
-    scenes = [scene for scene in SCENES for _ in range(OF_SCENE)]
-    made = [
-        manifold.features(_body(scene, seed, number))[0]
-        for number, scene in enumerate([QUERY] * QUERIES + scenes)
-    ]
+    scenes: list[str] = []
+    for scene in SCENES:
+        scenes += [scene] * OF_SCENE
+    clips = []
+    for number, scene in enumerate([QUERY] * QUERIES + scenes):
+        clips.append(manifold.features(_body(scene, seed, number))[0])
     counts = {}
     for name, of_clip in rows.items():
-        between = distances(of_clip, made[:QUERIES], made[QUERIES:])
+        between = distances(of_clip, clips[:QUERIES], clips[QUERIES:])
         order = np.argsort(between, axis=1, kind="stable")[:, :NEAREST]
         counts[name] = Counter(scenes[place] for place in order.ravel())
     table = Table(
@@ -305,14 +313,14 @@ def nearest(manifold: MotionManifold, rows: dict[str, Rows], seed: int) -> Resul
         [[scene, *(_share(counts[name], [scene]) for name in rows)] for scene in SCENES],
         ".0%",
     )
-    alike = {name: _share(each, ALIKE) for name, each in counts.items()}
+    similar = {name: _share(of_scene, SIMILAR) for name, of_scene in counts.items()}
     odd = _share(counts[EUCLIDEAN], ODD)
     only = Claim(
         "G_finds_only",
-        alike[EQUATION_4] == 1,
-        f"{alike[EQUATION_4]:.0%} of the nearest are confident walks or have turns;",
-        opponent=f"min and max of the features {alike[RAW_EXTREMES]:.0%}, "
-        f"Euclidean {alike[EUCLIDEAN]:.0%}.",
+        similar[EQUATION_4] == 1,
+        f"{similar[EQUATION_4]:.0%} of the nearest are confident walks or have turns;",
+        opponent=f"min and max of the features {similar[RAW_EXTREMES]:.0%}, "
+        f"Euclidean {similar[EUCLIDEAN]:.0%}.",
     )
     strange = Claim("euclidean_odd", odd > 0, f"{odd:.0%} of its nearest are such motions.")
     return Result("", [table], [only, strange])

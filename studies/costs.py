@@ -40,8 +40,10 @@ JOINTS = (20, 50, 100, 200, 500, 1000)
 HIDDEN = (64, 128, 256, 512, 1024)
 LARGE = 2
 """The slope is that of so many of the largest sizes."""
-TAKES, MINUTES = 280, 45.0
-"""Takes that are learned from, the first of so many minutes of synthetic motion."""
+MINUTES = 45.0
+"""Minutes of synthetic motion, of which a network learns."""
+TAKES = 280
+"""The network learns from so many of these takes, the first."""
 READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree", "bvh": "Bvh"}
 """Packages of the index and their functions; the last two take the text of a file."""
 ROOT = Path(__file__).parents[1]
@@ -58,13 +60,13 @@ def run() -> Result:
         rows = list(_commands(folder, series))
         commands = Table("", ["command", "processor, s", "peak, MB"], rows, ("", ".2f", ".0f"))
         speeds = Table("", ["reader", "MB/s"], list(_readers(folder)), ("", ".1f"))
-        grown = dict(_growth(folder))
-    rows = [_row(what, costs) for what, costs in grown.items()]
+        costs_by_size = dict(_growth(folder))
+    rows = [_row(quantity, costs) for quantity, costs in costs_by_size.items()]
     header = ["size", "from", "to", "first, s", "last, s", "slope", "peak at the last, MB"]
     growth = Table("", header, rows, ("", "", "", ".3f", ".3f", ".2f", ".0f"))
     pictures = {
-        f"growth_{what.split()[0]}": Picture(partial(_figure, what, costs))
-        for what, costs in grown.items()
+        f"growth_{quantity.split()[0]}": Picture(partial(_figure, quantity, costs))
+        for quantity, costs in costs_by_size.items()
     }
     return Result("Costs", [commands, speeds, growth], figures=pictures)
 
@@ -117,8 +119,8 @@ def _readers(folder: Path) -> Iterator[list[object]]:
     readers: dict[str, Callable[[], object]] = {"numpy_cae": partial(load_motion, path)}
     for package, function in READERS.items():
         with suppress(ImportError):
-            given = path.read_text() if package in ("bvhtoolbox", "bvh") else str(path)
-            readers[package] = partial(getattr(import_module(package), function), given)
+            source = path.read_text() if package in ("bvhtoolbox", "bvh") else str(path)
+            readers[package] = partial(getattr(import_module(package), function), source)
     for name, read in readers.items():
         yield [name, path.stat().st_size / 1e6 / _seconds(read)]
 
@@ -182,12 +184,12 @@ def _slope(costs: Costs) -> float:
     return float(np.polyfit(np.log(sizes), np.log([costs[n][0] for n in sizes]), 1)[0])
 
 
-def _row(what: str, costs: Costs) -> list[object]:
+def _row(quantity: str, costs: Costs) -> list[object]:
     first, *_, last = sorted(costs)
-    return [what, first, last, costs[first][0], costs[last][0], _slope(costs), costs[last][1]]
+    return [quantity, first, last, costs[first][0], costs[last][0], _slope(costs), costs[last][1]]
 
 
-def _figure(what: str, costs: Costs) -> Figure:
+def _figure(quantity: str, costs: Costs) -> Figure:
     """Seconds over size, both logarithmic, beside linear growth through the last size."""
     sizes = sorted(costs)
     seconds = [costs[size][0] for size in sizes]
@@ -195,6 +197,6 @@ def _figure(what: str, costs: Costs) -> Figure:
     axes = figure.subplots()
     axes.loglog(sizes, seconds, "o-", label=f"measured, slope {_slope(costs):.2f}")
     axes.loglog(sizes, [seconds[-1] * size / sizes[-1] for size in sizes], "--", label="linear")
-    axes.set(xlabel=what, ylabel="processor seconds")
+    axes.set(xlabel=quantity, ylabel="processor seconds")
     axes.legend()
     return figure

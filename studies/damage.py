@@ -35,9 +35,9 @@ from studies.shared.material import LabelledTake, Material, evenly
 from studies.shared.result import Claim, Result, Table
 
 TAKES = 10
-"""TAKES: of each source at most so many takes are damaged."""
+"""Of each source at most so many takes are damaged."""
 HOLE_TAKES = 70
-"""HOLE_TAKES: of each source at most so many takes get holes. From take to take the ratio of errors
+"""Of each source at most so many takes get holes. From take to take the ratio of errors
 varies by a third."""
 HOLES = (10, 20, 45, 90)
 """Lengths of holes, in frames at 30 a second."""
@@ -59,11 +59,11 @@ CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_
 """What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
 the rig on both sides. The curves are given the mask and the undamaged rotations."""
 LEAST_ERROR = 0.02
-"""LEAST_ERROR: in ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
+"""In ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
 RECALL = "of the damage, found"
 PRECISION = "of what is found, damaged"
 GAUSSIAN_TAKES = 60
-"""GAUSSIAN_TAKES: the Gaussian is fitted to at most this many takes."""
+"""The Gaussian is fitted to at most this many takes."""
 KINDS = tuple(DAMAGES)
 ERROR = (
     "error, cm. Methods with the mask given know the damaged joints and frames; `repair` smooths "
@@ -151,7 +151,7 @@ class _Trial:
     ) -> None:
         """Errors of all methods. Those of kinds with several onsets are means over them."""
         before = body_positions(damaged)
-        for name, motion in self._made(damaged, mask, kind).items():
+        for name, motion in self._repair_by_every_method(damaged, mask, kind).items():
             after = body_positions(motion)
             error = _distance(after, true)[mask].mean()
             self.values[ERROR][name][kind].append(error)
@@ -161,41 +161,52 @@ class _Trial:
                 moved = _distance(after, before)[~mask].mean()
                 self.values[ELSEWHERE][name][kind].append(moved)
 
-    def _made(self, damaged: Motion, mask: np.ndarray, kind: str) -> dict[str, Motion]:
-        """The damaged take by every method; what repair finds is compared with the mask."""
+    def _repair_by_every_method(
+        self, damaged: Motion, mask: np.ndarray, kind: str
+    ) -> dict[str, Motion]:
+        """The damaged take by every method. The joints and frames that repair marks as damaged are
+        compared with the mask."""
         repaired = repair_motion(
             damaged, self.manifold, preset=Preset(smooth=kind.startswith(JITTER))
         )
         findings = [finding for finding in repaired.findings if finding.kind != JITTER]
-        found = missing_joints(damaged, findings)
-        self.values[FINDINGS][RECALL][kind].append(100 * found[mask].mean())
-        if found.any():
-            self.values[FINDINGS][PRECISION][kind].append(100 * mask[found].mean())
-        made = {DAMAGED: damaged, UNKNOWN: repaired.motion}
+        marked = missing_joints(damaged, findings)
+        self.values[FINDINGS][RECALL][kind].append(100 * marked[mask].mean())
+        if marked.any():
+            self.values[FINDINGS][PRECISION][kind].append(100 * mask[marked].mean())
+        motions = {DAMAGED: damaged, UNKNOWN: repaired.motion}
         if not mask.all():
-            made |= {name: filling(damaged, mask) for name, filling in self.fillings.items()}
-        return made | {name: filtered(damaged, name) for name in FILTERS}
+            for name, filling in self.fillings.items():
+                motions[name] = filling(damaged, mask)
+        for name in FILTERS:
+            motions[name] = filter_curves(damaged, name)
+        return motions
 
     def add_holes(self, motion: Motion, number: int) -> None:
         """Fill holes in a take without damage, mask given; where the take is too short, none."""
         true = body_positions(motion)
-        for frames in (each for each in HOLES if motion.seconds >= each / RATE + 1):
+        for frames in HOLES:
+            if motion.seconds < frames / RATE + 1:
+                continue
             rng = np.random.default_rng([self.seed, number, frames])
             hole = stretch(motion, frames / RATE, rng)
             for part, (joints, _) in PARTS.items():
                 mask = joint_mask(len(motion), joints, hole)
                 for name in (*CURVES, GIVEN):
-                    made = body_positions(self.fillings[name](motion, mask))
-                    error = _distance(made, true)[mask].mean()
+                    filled = body_positions(self.fillings[name](motion, mask))
+                    error = _distance(filled, true)[mask].mean()
                     self.values[HOLE_ERROR][f"{part}, {frames} frames"][name].append(error)
 
     def add_ratios(self) -> None:
         """For each kind of hole the geometric mean over the holes of the error of repair by that of
         each rotation curve; and the largest of the three, that of the best curve."""
         for hole, errors in self.values[HOLE_ERROR].items():
-            logs = {name: np.log(np.maximum(each, LEAST_ERROR)) for name, each in errors.items()}
-            means = {name: float(np.exp(np.mean(logs[GIVEN] - logs[name]))) for name in CURVES}
-            for name, ratio in (means | {BEST: max(means.values())}).items():
+            logs = {
+                name: np.log(np.maximum(values, LEAST_ERROR)) for name, values in errors.items()
+            }
+            ratios = {name: float(np.exp(np.mean(logs[GIVEN] - logs[name]))) for name in CURVES}
+            ratios[BEST] = max(ratios.values())
+            for name, ratio in ratios.items():
                 self.values[RATIO][hole][name].append(ratio)
 
     def tables(self, source: str) -> list[Table]:
@@ -206,30 +217,33 @@ class _Trial:
         ]
 
     def _rows(self, caption: str, columns: Sequence[str]) -> list[list[object]]:
-        return [
-            [name, *(np.mean(numbers[column]) if column in numbers else None for column in columns)]
-            for name, numbers in self.values[caption].items()
-        ]
+        rows = []
+        for name, numbers in self.values[caption].items():
+            row: list[object] = [name]
+            for column in columns:
+                row.append(np.mean(numbers[column]) if column in numbers else None)
+            rows.append(row)
+        return rows
 
 
 def _of_holes(ratios: Values, source: str) -> Iterator[Claim]:
     for part, (_, most) in PARTS.items():
-        of_part = {hole: each[BEST][0] for hole, each in ratios.items() if hole.startswith(part)}
-        figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in of_part.items())
-        filled = max(of_part.values(), default=np.inf) <= most
-        yield Claim("holes_filled", bool(filled), f"{figures}.", f"{source}, {part}")
+        best = {hole: row[BEST][0] for hole, row in ratios.items() if hole.startswith(part)}
+        figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in best.items())
+        is_confirmed = max(best.values(), default=np.inf) <= most
+        yield Claim("holes_filled", bool(is_confirmed), f"{figures}.", f"{source}, {part}")
 
 
-def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _distance(positions: np.ndarray, true_positions: np.ndarray) -> np.ndarray:
     """Centimetres."""
-    return 100 * np.linalg.norm(one - other, axis=-1)
+    return 100 * np.linalg.norm(positions - true_positions, axis=-1)
 
 
 def _window(seconds: float, rate: float) -> int:
     return 2 * round(seconds * rate / 2) + 1
 
 
-def filtered(motion: Motion, name: str) -> Motion:
+def filter_curves(motion: Motion, name: str) -> Motion:
     """The motion with its curves of translations and rotations (quaternions) filtered."""
     return filter_motion(motion, lambda curve: FILTERS[name](curve, motion.rate))
 
@@ -242,15 +256,15 @@ def curve_filling(curve: Curve, motion: Motion, mask: np.ndarray) -> Motion:
 
 
 def gaussian_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
-    """The missing values from the mean of a Gaussian of 15 frames, given the known ones."""
+    """The missing values from the mean of a Gaussian of 15 frames, given the visible ones."""
     fitted = clips_of(manifold, [take.positions for take in evenly(takes, GAUSSIAN_TAKES)])
     gaussian = Gaussian(fitted.x, fitted.real)
 
     def fill_in(motion: Motion, mask: np.ndarray) -> Motion:
         holes = Holes(Body(motion, manifold.lengths), mask)
-        known = np.ones(holes.features.shape, bool)
-        known[:, POSITIONS] = ~np.repeat(holes.mask, 3, axis=1)
-        x = gaussian.complete(manifold.normalise(holes.features)[None], known[None])[0]
-        return holes.filled(np.where(known, holes.features, manifold.denormalise(x)))
+        is_visible = np.ones(holes.features.shape, bool)
+        is_visible[:, POSITIONS] = ~np.repeat(holes.mask, 3, axis=1)
+        x = gaussian.complete(manifold.normalise(holes.features)[None], is_visible[None])[0]
+        return holes.filled(np.where(is_visible, holes.features, manifold.denormalise(x)))
 
     return fill_in

@@ -19,9 +19,9 @@ from studies.shared.result import Claim, Result, Table
 FILTERS = (32, 64, 128)
 """Half of the paper's. Each layer halves the frames and doubles the units."""
 EPOCHS = 8
-"""EPOCHS: of each layer and of fine tuning; the paper has 25."""
+"""Of each layer and of fine tuning; the paper has 25."""
 ACTIVE = 0.1
-"""ACTIVE: a hidden unit is active where its magnitude is larger."""
+"""A hidden unit is active where its magnitude is larger."""
 SPARSE = "three layers, α = 0"
 
 
@@ -30,25 +30,33 @@ def run(material: Material, seed: int = 0, epochs: int = EPOCHS) -> Result:
     schedule = recipe("paper")
     layer = replace(schedule.layer, epochs=epochs)
     fine = replace(schedule.fine_tuning, epochs=epochs)
-    kinds = {f"{n} of {len(FILTERS)} layers": (FILTERS[:n], layer) for n in (1, 2, 3)}
-    kinds[SPARSE] = FILTERS, replace(layer, alpha=0.0)
+    stacks = {f"{n} of {len(FILTERS)} layers": (FILTERS[:n], layer) for n in (1, 2, 3)}
+    stacks[SPARSE] = FILTERS, replace(layer, alpha=0.0)
     takes = [take.positions for take in material.training]
     measured = {}
-    for name, (filters, stage) in kinds.items():
+    for name, (filters, stage) in stacks.items():
         manifold = learn_manifold(takes, Schedule(stage, fine), seed, filters=filters)
         measured[name] = _measured(manifold, material, seed)
     header = ["stack", "reconstruction, cm", "half removed, cm", "active units"]
     rows = [[name, *values] for name, values in measured.items()]
-    one, two, three, free = measured.values()
-    deep = f"three layers {three[1]:.2f} cm;"
-    shallow = f"two {two[1]:.2f}, one {one[1]:.2f} cm."
-    active = f"{three[2]:.0%} of the units are active with α = 0.01;"
-    claims = [
-        Claim("deep_justified", three[1] < min(one[1], two[1]), deep, opponent=shallow),
-        Claim("sparsity", three[2] < free[2], active, opponent=f"{free[2]:.0%} with α = 0."),
-    ]
+    repair_errors = [repair_error for _, repair_error, _ in measured.values()]
+    shares_active = [share_active for _, _, share_active in measured.values()]
+    claims = [_claim_of_depth(*repair_errors[:3]), _claim_of_sparsity(*shares_active[2:])]
     table = Table(f"{epochs} epochs of each stage:", header, rows)
     return Result("Depth of the stack", [table], claims)
+
+
+def _claim_of_depth(one: float, two: float, three: float) -> Claim:
+    """Whether three layers repair better than two and one, from the errors in cm."""
+    figures = f"three layers {three:.2f} cm;"
+    opponent = f"two {two:.2f}, one {one:.2f} cm."
+    return Claim("deep_justified", three < min(one, two), figures, opponent=opponent)
+
+
+def _claim_of_sparsity(sparse: float, free: float) -> Claim:
+    """Whether the sparsity term makes fewer units active, from the shares."""
+    figures = f"{sparse:.0%} of the units are active with α = 0.01;"
+    return Claim("sparsity", sparse < free, figures, opponent=f"{free:.0%} with α = 0.")
 
 
 def _measured(

@@ -28,7 +28,7 @@ from numpy_cae.motion.hole_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.shared.material import Material, evenly, testing_of
-from studies.shared.result import Claim, Result, Table, moving
+from studies.shared.result import Claim, Result, Table, combined, moving
 
 EVERY = 15
 CURVE = " of the rotations, keys given"
@@ -51,34 +51,50 @@ STEPPED_TAKES = 20
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     """Remove each wrist from test windows; hold every 15th frame of them; project both."""
     testing, sample = testing_of(manifold, material)
-    wrists = {joint: _without(manifold, testing, joint) for joint in WRISTS}
+    wrists = _without_wrists(manifold, testing)
+    stepped = _with_stepped_takes(manifold, material)
+    return combined("Filling in: a missing marker and stepped keyframes", [wrists, stepped], sample)
+
+
+def _without_wrists(manifold: MotionManifold, testing: Clips) -> Result:
+    """The error of each wrist where it is missing from test windows."""
+    errors = {joint: _errors_without(manifold, testing, joint) for joint in WRISTS}
+    table = _table(WRIST_ERROR, ["missing joint", MEAN_POSE, NETWORK], errors)
+    claim = _wrist_claim(np.array(list(errors.values())))
+    return Result("", [table], [claim])
+
+
+def _with_stepped_takes(manifold: MotionManifold, material: Material) -> Result:
+    """The errors of every method on test takes of which every 15th frame is held."""
     takes = [take for take in material.testing if len(take.positions) > EVERY]
     if not takes:
         raise ValueError(f"it needs a test take of more than {EVERY} frames at 30 a second")
-    each = [
-        _stepped(manifold, material.motion(take).resampled(RATE))
-        for take in evenly(takes, STEPPED_TAKES)
-    ]
-    errors = [{name: _measured(x, filled[TRUE]) for name, x in filled.items()} for filled in each]
-    measured = {name: np.mean([one[name] for one in errors], axis=0) for name in errors[0]}
-    drawn = each[len(each) // 2]
+    fillings = []
+    for take in evenly(takes, STEPPED_TAKES):
+        fillings.append(_fill_stepped(manifold, material.motion(take).resampled(RATE)))
+    means = _mean_measures(fillings)
+    table = _table(f"Every {EVERY}th frame held, mean of {len(fillings)} takes:", HEADER, means)
+    example = fillings[len(fillings) // 2]
     colours = {HELD: CORRUPTED, REPEATED: PROJECTED, TRUE: TRUTH}
-    motions = {name: (drawn[name], colour) for name, colour in colours.items()}
-    held = f"Every {EVERY}th frame held, mean of {len(each)} takes:"
-    tables = [
-        _table(WRIST_ERROR, ["missing joint", MEAN_POSE, NETWORK], wrists),
-        _table(held, HEADER, measured),
-    ]
-    title = "Filling in: a missing marker and stepped keyframes"
-    claims = [_wrist_claim(np.array(list(wrists.values()))), *_stepped_claims(measured)]
-    return Result(title, tables, claims, {"filling_in": moving(motions, manifold.rate)}, sample)
+    motions = {method: (example[method], colour) for method, colour in colours.items()}
+    pictures = {"filling_in": moving(motions, manifold.rate)}
+    return Result("", [table], _stepped_claims(means), pictures)
+
+
+def _mean_measures(fillings: Sequence[Mapping[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """The measures of each method, their mean over the takes."""
+    means = {}
+    for method in fillings[0]:
+        measures = [_measure(filling[method], filling[TRUE]) for filling in fillings]
+        means[method] = np.mean(measures, axis=0)
+    return means
 
 
 def _table(caption: str, header: Sequence[str], rows: Mapping[str, Iterable[float]]) -> Table:
     return Table(caption, header, [[name, *numbers] for name, numbers in rows.items()])
 
 
-def _without(manifold: MotionManifold, testing: Clips, joint: str) -> list[float]:
+def _errors_without(manifold: MotionManifold, testing: Clips, joint: str) -> list[float]:
     """The error of a joint, cm, where it is in the mean pose, and after projection."""
     lost = testing.x.copy()
     lost[..., joint_slice(joint)] = 0
@@ -86,7 +102,7 @@ def _without(manifold: MotionManifold, testing: Clips, joint: str) -> list[float
     return [testing.error(x, joint) for x in (lost, manifold.normalise(np.stack(projected)))]
 
 
-def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
+def _fill_stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
     """The features (F, 63) of a motion at `RATE`, up to its last key, by every method."""
     frames = np.arange((len(motion) - 1) // EVERY * EVERY + 1)
     motion = motion.at(frames)
@@ -100,7 +116,7 @@ def _stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
     return filled | {TRUE: truth}
 
 
-def _measured(x: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
+def _measure(x: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
     """The error, the error against the truth delayed by `DELAY` frames, and the jitter."""
     delayed = position_error(x[DELAY:], truth[:-DELAY])
     return position_error(x, truth), delayed, jitter(features_to_positions(x), RATE)
@@ -116,7 +132,7 @@ def _stepped_claims(measured: dict[str, np.ndarray]) -> list[Claim]:
     held, held_delayed, held_jitter = measured[HELD]
     error, delayed, jitter = measured[REPEATED]
     truth = measured[TRUE][2]
-    curves = {name: each[0] for name, each in measured.items() if name.endswith(CURVE)}
+    curves = {name: row[0] for name, row in measured.items() if name.endswith(CURVE)}
     best = min(curves, key=lambda name: curves[name])
     return [
         Claim(

@@ -22,7 +22,7 @@ from studies.shared.validity import Validity, ValidityMeasure, validity_table
 
 SHARES = (0.25, 0.5, 0.75)
 AXES = 30
-"""AXES: of PCA on single frames, which have 63 features."""
+"""Of PCA on single frames, which have 63 features."""
 PAIRS = 5
 """Of each kind of pair at most this many are measured."""
 LINEAR = "linear"
@@ -60,33 +60,41 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         claims.append(_claim(kind, measured))
         claims.append(_claim(kind, measured, PRINCIPAL, "better_than_pca"))
         if not motions:
-            one, other = clips[0]
-            motions = {"one": (one, TRUTH), "the other": (other, TRUTH)}
-            motions[LINEAR] = linear(one, other, 0.5), CORRUPTED
-            motions[ALONG] = interpolate(manifold, one, other, 0.5), PROJECTED
+            first, second = clips[0]
+            motions = {
+                "one": (first, TRUTH),
+                "the other": (second, TRUTH),
+                LINEAR: (linear(first, second, 0.5), CORRUPTED),
+                ALONG: (interpolate(manifold, first, second, 0.5), PROJECTED),
+            }
     picture = moving(motions, manifold.rate, azimuth=75.0)
     return Result("Interpolation of two motions", tables, claims, {"interpolation": picture})
 
 
-def linear(one: np.ndarray, other: np.ndarray, share: float | str) -> np.ndarray:
+def linear(first: np.ndarray, second: np.ndarray, share: float | str) -> np.ndarray:
     """(1 - s) X_0 + s X_1."""
-    s = shares(share, len(one))
-    return (1 - s) * one + s * other
+    s = shares(share, len(first))
+    return (1 - s) * first + s * second
 
 
 def _measured(
     manifold: MotionManifold, measure: ValidityMeasure, pca: PCA, pairs: list[Clips]
 ) -> dict[str, Validity]:
     """Name of a kind of motion to the mean of its measures."""
-    ends = [clip for pair in pairs for clip in pair]
-    between = [(*pair, share) for pair in pairs for share in (*SHARES, TRANSITION)]
-    straight = [linear(*given) for given in between]
+    ends: list[np.ndarray] = []
+    straight = []
+    along = []
+    for first, second in pairs:
+        ends += [first, second]
+        for share in (*SHARES, TRANSITION):
+            straight.append(linear(first, second, share))
+            along.append(interpolate(manifold, first, second, share))
     motions = {
         ENDS: ends,
         PROJECTED_ENDS: [manifold.project(clip) for clip in ends],
         LINEAR: straight,
-        PRINCIPAL: [pca.project(each, AXES) for each in straight],
-        ALONG: [interpolate(manifold, *given) for given in between],
+        PRINCIPAL: [pca.project(clip, AXES) for clip in straight],
+        ALONG: along,
     }
     return {name: measure.mean(clips) for name, clips in motions.items()}
 
@@ -94,7 +102,7 @@ def _measured(
 def _claim(
     kind: str,
     measured: dict[str, Validity],
-    other: str = LINEAR,
+    opponent: str = LINEAR,
     key: str = "interpolation_is_valid",
 ) -> Claim:
     """Compare all measures with another method; for jitter, which is nearer to the jitter of the
@@ -104,25 +112,29 @@ def _claim(
         jitter = abs(np.log(max(motion.jitter, 1e-9) / max(measured[ENDS].jitter, 1e-9)))
         return motion.bone_length, motion.foot_sliding, jitter, motion.nearest_pose
 
-    columns = zip(Validity.HEADER, errors(measured[ALONG]), errors(measured[other]), strict=True)
+    columns = zip(Validity.HEADER, errors(measured[ALONG]), errors(measured[opponent]), strict=True)
     better = [heading.split(",")[0] for heading, ours, theirs in columns if ours < theirs]
-    figures = f"{ALONG} is better than {other} on {len(better)} of {len(Validity.HEADER)} measures "
-    figures += f"({', '.join(better) or 'none'}): {measured[ALONG].against(measured[other])}."
+    figures = (
+        f"{ALONG} is better than {opponent} on {len(better)} of {len(Validity.HEADER)} measures "
+    )
+    figures += f"({', '.join(better) or 'none'}): {measured[ALONG].against(measured[opponent])}."
     return Claim(key, len(better) == len(Validity.HEADER), figures, kind)
 
 
-def clips_of_pair(manifold: MotionManifold, one: LabelledTake, other: LabelledTake) -> Clips:
+def clips_of_pair(manifold: MotionManifold, first: LabelledTake, second: LabelledTake) -> Clips:
     """The features of both from their first frames, the longer one truncated, at most a window."""
-    first, second = features_of(manifold, [one, other])
-    frames = min(len(first), len(second), manifold.window)
-    return first[:frames], second[:frames]
+    features, second_features = features_of(manifold, [first, second])
+    frames = min(len(features), len(second_features), manifold.window)
+    return features[:frames], second_features[:frames]
 
 
 def pairs_of(takes: list[LabelledTake]) -> dict[str, list[tuple[LabelledTake, LabelledTake]]]:
     """The pairs of each kind that there is, at most `PAIRS`."""
     walks = [take for take in takes if take.content in ("walk", "confident_walk")]
     press_ups = [take for take in takes if "press_up" in take.content]
-    styled = [(one, other) for one, other in combinations(walks, 2) if one.style and other.style]
-    styles = [(a, b) for a, b in styled if a.source == b.source and a.style != b.style]
-    every = {PRESS_UPS: list(product(press_ups, walks)), STYLES: styles}
-    return {kind: evenly(pairs, PAIRS) for kind, pairs in every.items() if pairs}
+    styles = []
+    for a, b in combinations(walks, 2):
+        if a.style and b.style and a.source == b.source and a.style != b.style:
+            styles.append((a, b))
+    pairs_of_kind = {PRESS_UPS: list(product(press_ups, walks)), STYLES: styles}
+    return {kind: evenly(pairs, PAIRS) for kind, pairs in pairs_of_kind.items() if pairs}

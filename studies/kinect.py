@@ -21,21 +21,21 @@ from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Result, Table, moving
 
 BIAS = 0.03
-"""BIAS: the standard deviation of a joint's offset along each axis (m)."""
+"""The standard deviation of a joint's offset along each axis (m)."""
 NOISE = 0.01
-"""NOISE: the standard deviation of a joint's noise along each axis (m)."""
+"""The standard deviation of a joint's noise along each axis (m)."""
 GUESS = 0.07
-"""GUESS: the standard deviation of a guess along each axis (m)."""
+"""The standard deviation of a guess along each axis (m)."""
 GUESSES = 1.0
-"""GUESSES: the share of joints that are guessed once in a window of 160 frames."""
+"""The share of joints that are guessed once in a window of 160 frames."""
 GUESSED = 15
-"""GUESSED: a guess lasts so many frames."""
+"""A guess lasts so many frames."""
 SIGMAS = (1.0, 2.0, 4.0)
 """Widths of the Gaussian filters over time, frames."""
 MOST_LEFT = 2 / 3
-"""MOST_LEFT: the result matches the truth far more closely if this share of the error is left."""
+"""The result matches the truth far more closely if this share of the error is left."""
 TRAINING_WINDOWS = 600
-"""TRAINING_WINDOWS: PCA is fitted to at most so many windows, evenly spaced."""
+"""PCA is fitted to at most so many windows, evenly spaced."""
 SEEN = "seen by the Kinect"
 NETWORK = "the network"
 TRUE = "truth"
@@ -50,13 +50,13 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     projected = manifold.network.project(seen)
     errors = {SEEN: testing.error(seen), **simple, NETWORK: testing.error(projected)}
     best = min(simple, key=lambda name: errors[name])
-    left = errors[NETWORK] / errors[SEEN]
+    share_left = errors[NETWORK] / errors[SEEN]
     shown = {TRUE: (testing.x, TRUTH), SEEN: (seen, CORRUPTED), NETWORK: (projected, PROJECTED)}
     drawn = {name: (manifold.denormalise(x[0]), colour) for name, (x, colour) in shown.items()}
     claim = Claim(
         "kinect_closer",
-        left < MOST_LEFT,
-        f"{errors[SEEN]:.2f} cm before, {errors[NETWORK]:.2f} cm after, {left:.2f} of it;",
+        share_left < MOST_LEFT,
+        f"{errors[SEEN]:.2f} cm before, {errors[NETWORK]:.2f} cm after, {share_left:.2f} of it;",
         opponent=f"{best}: {errors[best]:.2f} cm.",
     )
     rows = [[name, error, error / errors[SEEN]] for name, error in errors.items()]

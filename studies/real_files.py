@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.cleanup import PRESETS, Preset, repair_motion
+from numpy_cae.cleanup import PRESETS, Preset, Repaired, repair_motion
 from numpy_cae.cleanup.jumps import jump_levels
 from numpy_cae.cleanup.presets import fitting_preset
 from numpy_cae.errors import NumpyCaeError
@@ -41,13 +41,16 @@ HEADER = (JUMPS, NEW, "acceleration, m/s²", FEET, "bone lengths, cm", CHANGE, P
 """New: frames with a jump further than `NEAR` from every jump of the file. Planted feet: the speed
 of the lower foot on the floor. Bone lengths: the root mean square deviation of the rig's bones from
 their median lengths. Change elsewhere: of joints from the hips, further than `NEAR` from jumps."""
+HELPED = "helped"
+HARMED = "harmed"
+AS_BEFORE = "as before"
 Measures = dict[str, float]
 """Column to measure."""
 NEAR = 0.25
-"""NEAR: the time around a jump (s)."""
+"""The time around a jump in which a repair may change the motion (s)."""
 
 
-class _File:
+class MeasuredFile:
     """A motion file, what every method makes of it, and the rows of the table."""
 
     def __init__(self, name: str, motion: Motion, manifold: MotionManifold):
@@ -55,20 +58,37 @@ class _File:
         preset = fitting_preset(motion)
         self.proposed = f"--from {preset}" if preset else REPAIR
         filtered = filter_motion(motion, lambda curve: strongly_filtered(curve, motion.rate))
-        made = {BEFORE: motion, FILTER: filtered}
-        said = {}
-        for name, settings in METHODS.items():
+        self.measures = {
+            BEFORE: measures_of(motion, motion),
+            FILTER: measures_of(motion, filtered),
+        }
+        self.remarks = {BEFORE: "", FILTER: ""}
+        for method, settings in METHODS.items():
             repaired = repair_motion(motion, manifold, preset=settings)
-            made[name] = repaired.motion
-            kinds = sorted({finding.kind for finding in repaired.findings}) or ["unchanged"]
-            said[name] = ", ".join(kinds + ["unlike"] * (not repaired.known))
-        self.measures = {name: measures_of(motion, after) for name, after in made.items()}
+            self.measures[method] = measures_of(motion, repaired.motion)
+            self.remarks[method] = remark_on(repaired)
         self.verdict = verdict(self.measures[BEFORE], self.measures[self.proposed])
-        said[self.proposed] += f"; proposed: {self.verdict}"
-        self.rows = [
-            [f"{self.name}: {name}", *each.values(), said.get(name, "")]
-            for name, each in self.measures.items()
+        self.remarks[self.proposed] += f"; proposed: {self.verdict}"
+
+    @property
+    def is_damaged(self) -> bool:
+        """Whether a frame jumps or a preset is proposed."""
+        return bool(self.measures[BEFORE][JUMPS]) or self.proposed != REPAIR
+
+    def rows(self) -> list[list[object]]:
+        """A row of the table for each method."""
+        return [
+            [f"{self.name}: {method}", *measures.values(), self.remarks[method]]
+            for method, measures in self.measures.items()
         ]
+
+
+def remark_on(repaired: Repaired) -> str:
+    """The kinds of damage that a repair finds, and whether the motion is unlike the model's."""
+    words = sorted({finding.kind for finding in repaired.findings}) or ["unchanged"]
+    if not repaired.known:
+        words.append("unlike")
+    return ", ".join(words)
 
 
 def measures_of(before: Motion, after: Motion) -> Measures:
@@ -95,43 +115,65 @@ def measures_of(before: Motion, after: Motion) -> Measures:
 def verdict(before: Measures, after: Measures) -> str:
     """Whether a repaired file is helped, harmed, or as before, by the rule above."""
     # Of a measure near 0, a tenth is rounding.
-    worse = any(after[name] > 1.1 * before[name] + 0.01 for name in HEADER[:-2])
-    what, share = (JUMPS, 0.5) if before[JUMPS] else (FEET, 0.75)
-    helped = 0 < before[what] and after[what] <= share * before[what]
-    return "harmed" if after[NEW] or worse else "helped" if helped else "as before"
+    is_worse = any(after[name] > 1.1 * before[name] + 0.01 for name in HEADER[:-2])
+    if after[NEW] or is_worse:
+        return HARMED
+    if before[JUMPS]:
+        is_helped = after[JUMPS] <= 0.5 * before[JUMPS]
+    else:
+        is_helped = 0 < before[FEET] and after[FEET] <= 0.75 * before[FEET]
+    return HELPED if is_helped else AS_BEFORE
 
 
 def run(manifold: MotionManifold, folders: Sequence[str | Path], seed: int = 0) -> Result:
     """Measure every motion file below the folders."""
     files = []
-    refused = []
-    for path in (path for folder in folders for path in find_motion_files(folder)):
-        try:
-            files.append(_File(path.name, load_motion(path), manifold))
-        except (NumpyCaeError, ValueError) as problem:
-            refused.append([path.name, *[None] * len(HEADER), f"refused: {problem}"])
-    rows = [row for file in files for row in file.rows] + refused
-    return Result(
-        "Repair: real files",
-        [Table("", ["file: method", *HEADER, "said"], rows)],
-        _claims(files, len(refused)) if files else [],
-    )
-
-
-def _claims(files: Sequence[_File], refused: int) -> list[Claim]:
+    refused_rows = []
+    for folder in folders:
+        for path in find_motion_files(folder):
+            try:
+                files.append(MeasuredFile(path.name, load_motion(path), manifold))
+            except (NumpyCaeError, ValueError) as problem:
+                blank = [None] * len(HEADER)
+                refused_rows.append([path.name, *blank, f"refused: {problem}"])
+    rows = []
+    for file in files:
+        rows += file.rows()
     claims = []
-    for measure, key in ((JUMPS, "fewer_jumps"), (CHANGE, "less_changed")):
-        pairs = {f: [f.measures[name][measure] for name in (f.proposed, FILTER)] for f in files}
-        more = [file.name for file, (ours, theirs) in pairs.items() if ours > theirs]
-        ours, theirs = np.nansum(list(pairs.values()), axis=0)
-        figures = f"the sums are {ours:.4g} and {theirs:.4g}; not in {', '.join(more) or 'none'}."
-        claims.append(Claim(key, not more, figures))
-    damaged = [f for f in files if f.measures[BEFORE][JUMPS] or f.proposed != REPAIR]
-    helped, harmed = (sum(f.verdict == word for f in damaged) for word in ("helped", "harmed"))
-    touched = [f.name for f in files if f not in damaged and f.measures[REPAIR][CHANGE]]
+    if files:
+        claims = [
+            compare_with_filter(files, JUMPS, "fewer_jumps"),
+            compare_with_filter(files, CHANGE, "less_changed"),
+            claim_of_helped(files, len(refused_rows)),
+        ]
+    table = Table("", ["file: method", *HEADER, "said"], rows + refused_rows)
+    return Result("Repair: real files", [table], claims)
+
+
+def compare_with_filter(files: Sequence[MeasuredFile], measure: str, key: str) -> Claim:
+    """Whether the proposed repair has less of a measure than the simple filter in every file."""
+    of_repair = [file.measures[file.proposed][measure] for file in files]
+    of_filter = [file.measures[FILTER][measure] for file in files]
+    exceptions = []
+    for file, repaired, filtered in zip(files, of_repair, of_filter, strict=True):
+        if repaired > filtered:
+            exceptions.append(file.name)
+    sums = f"the sums are {np.nansum(of_repair):.4g} and {np.nansum(of_filter):.4g}"
+    return Claim(key, not exceptions, f"{sums}; not in {', '.join(exceptions) or 'none'}.")
+
+
+def claim_of_helped(files: Sequence[MeasuredFile], refused: int) -> Claim:
+    """Whether repair helps three quarters of the damaged files and harms or changes no other."""
+    damaged = [file for file in files if file.is_damaged]
+    helped = sum(file.verdict == HELPED for file in damaged)
+    harmed = sum(file.verdict == HARMED for file in damaged)
+    changed = []
+    for file in files:
+        if not file.is_damaged and file.measures[REPAIR][CHANGE]:
+            changed.append(file.name)
     figures = (
         f"of {len(files) + refused} files {refused} refused and {len(damaged)} damaged, of these "
-        f"{helped} helped, {harmed} harmed; changed without damage: {', '.join(touched) or 'none'}."
+        f"{helped} helped, {harmed} harmed; changed without damage: {', '.join(changed) or 'none'}."
     )
-    confirmed = helped >= 0.75 * len(damaged) and not harmed and not touched
-    return [*claims, Claim("files_helped", confirmed, figures)]
+    is_confirmed = helped >= 0.75 * len(damaged) and not harmed and not changed
+    return Claim("files_helped", is_confirmed, figures)

@@ -26,7 +26,7 @@ from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Picture, Result, Table, moving
 
 PS = (0.1, 0.3, half.P, 0.8, 0.9)
-SHOWN = {
+DRAWN = {
     half.DAMAGED: CORRUPTED,
     half.NETWORK: PROJECTED,
     half.PCHIP: OTHERS[0],
@@ -35,7 +35,7 @@ SHOWN = {
 }
 """The methods that are drawn, and their colours."""
 WINDOWS = 60
-"""WINDOWS: at most this many windows are repaired, since the Gaussian takes a tenth of a second for
+"""At most this many windows are repaired, since the Gaussian takes a tenth of a second for
 each."""
 Errors = dict[str, np.ndarray]
 """Method to its errors in cm, one for each p and each seed."""
@@ -46,13 +46,16 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     training = clips_of(manifold, [take.positions for take in material.training])
     testing, _ = testing_of(manifold, material)
     repairs = Repairs(manifold, training)
-    errors = swept(repairs, testing.evenly(WINDOWS), PS, [seed])
-    rows = [[name, *each.mean(axis=1)] for name, each in errors.items()]
+    errors = sweep(repairs, testing.evenly(WINDOWS), PS, [seed])
+    rows = [[method, *of_method.mean(axis=1)] for method, of_method in errors.items()]
     header = ["method", *(f"p = {p}" for p in PS)]
+    of_half = {}
+    for method, of_method in errors.items():
+        of_half[method] = float(of_method[PS.index(half.P)].mean())
     return Result(
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows)],
-        _claims({name: float(each[PS.index(half.P)].mean()) for name, each in errors.items()}),
+        _claims(of_half),
         {f"removed_{p}": _picture(repairs, testing.evenly(1), p, seed) for p in PS[2:]},
     )
 
@@ -60,14 +63,16 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:
     """A window of which values are removed, as each method repairs it, beside the truth."""
     damaged = zero_values(window.x, p, np.random.default_rng(seed))
-    made = {method: x for method, _, x in repairs.of(window, damaged, p)}
-    shown = {name: (made[name], colour) for name, colour in SHOWN.items()}
-    shown["the truth"] = window.x, TRUTH
-    whole = {n: (repairs.manifold.denormalise(x[0]), colour) for n, (x, colour) in shown.items()}
-    return moving(whole, repairs.manifold.rate)
+    repaired = {method: x for method, _, x in repairs.of(window, damaged, p)}
+    denormalise = repairs.manifold.denormalise
+    motions = {}
+    for method, colour in DRAWN.items():
+        motions[method] = denormalise(repaired[method][0]), colour
+    motions["the truth"] = denormalise(window.x[0]), TRUTH
+    return moving(motions, repairs.manifold.rate)
 
 
-def swept(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[int]) -> Errors:
+def sweep(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[int]) -> Errors:
     """The errors of every method where values are removed with each p, drawn from each seed."""
     errors: dict[str, list[float]] = defaultdict(list)
     for p in ps:
@@ -75,7 +80,7 @@ def swept(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[in
             damaged = zero_values(test.x, p, np.random.default_rng(seed))
             for method, _, repaired in repairs.of(test, damaged, p):
                 errors[method].append(test.error(repaired))
-    return {name: np.reshape(each, (len(ps), -1)) for name, each in errors.items()}
+    return {method: np.reshape(values, (len(ps), -1)) for method, values in errors.items()}
 
 
 def _claims(at: dict[str, float]) -> list[Claim]:
@@ -87,11 +92,14 @@ def _claims(at: dict[str, float]) -> list[Claim]:
     completed = at[half.COMPLETED]
     figures = f"{at[half.DAMAGED]:.2f} cm before, {network:.2f} cm after;"
     opponent = f"{simple}: {at[simple]:.2f} cm."
-    given = f"{with_mask}: {at[with_mask]:.2f} cm."
+    with_mask_figures = f"{with_mask}: {at[with_mask]:.2f} cm."
     return [
         Claim("half_recovered", network < at[half.DAMAGED] / 2, figures, opponent=opponent),
         Claim("better_than_simple", network < at[simple], figures, opponent=opponent),
         Claim(
-            "completed_better", completed < at[with_mask], f"{completed:.2f} cm;", opponent=given
+            "completed_better",
+            completed < at[with_mask],
+            f"{completed:.2f} cm;",
+            opponent=with_mask_figures,
         ),
     ]

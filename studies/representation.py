@@ -42,24 +42,24 @@ from studies.shared.validity import Validity, ValidityMeasure
 SIZES = [(80, 64), (40, 128), (20, 256)]
 """Frames and units of each layer for a window of 160 frames (section 5 and figure 3)."""
 INTEGRATED = 0.01
-"""INTEGRATED: a path is recovered if no joint is farther than this from its place (cm)."""
+"""A path is recovered if no joint is farther than this from its place (cm)."""
 MOST_OFF = 0.01
-"""MOST_OFF: bones keep their lengths if they are off by at most this (cm)."""
+"""Bones keep their lengths if they are off by at most this (cm)."""
 WINDOWS = 64
-"""WINDOWS: so many test windows are projected together where a projection is timed, and give the
+"""So many test windows are projected together where a projection is timed, and give the
 range of the hidden units."""
 TRUE = "truth"
 EVEN = "even unpooling"
 RANDOM = "random unpooling"
 COLOURS = {TRUE: TRUTH, EVEN: PROJECTED, RANDOM: CORRUPTED}
 NOISY = 2.0
-"""NOISY: unpooling is noisy if the jitter is more than this many times the truth's."""
+"""Unpooling is noisy if the jitter is more than this many times the truth's."""
 SMOOTH = 1.5
-"""SMOOTH: unpooling is smooth if the jitter is less than this many times the truth's."""
+"""Unpooling is smooth if the jitter is less than this many times the truth's."""
 ENERGY = 0.9
-"""ENERGY: the share of a response's energy in its joints and its frames."""
+"""The share of a response's energy in its joints and its frames."""
 SILENT = 1e-8
-"""SILENT: a filter whose response has less energy than this moves nothing, and is left out."""
+"""A filter whose response has less energy than this moves nothing, and is left out."""
 
 
 def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
@@ -67,7 +67,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     filters. The seed is for the masks of unpooling and for the untrained network."""
     testing, sample = testing_of(manifold, material)
     takes = features_of(manifold, material.testing)
-    off = max(_integrated(manifold, take.positions) for take in material.testing)
+    off = max(_error_of_path(manifold, take.positions) for take in material.testing)
     parts = [
         units(manifold, takes, testing, off),
         constraints(manifold, takes),
@@ -113,14 +113,14 @@ def constraints(manifold: MotionManifold, takes: list[np.ndarray]) -> Result:
     measure = ValidityMeasure(takes, manifold.lengths, manifold.rate)
     averaged = [manifold.project(take, average_shifts=True) for take in takes]
     stands = [find_contacts(features_to_positions(x), manifold.rate) for x in averaged]
-    made = {
+    kinds_of_motion = {
         "test takes": takes,
         "projected": [manifold.project(take) for take in takes],
         "averaged over shifts": averaged,
-        "constant bones, mended feet": [_constrained(manifold, x) for x in averaged],
+        "constant bones, mended feet": [_constrain(manifold, x) for x in averaged],
     }
     rows = []
-    for name, clips in made.items():
+    for name, clips in kinds_of_motion.items():
         errors = [position_error(*pair) for pair in zip(clips, takes, strict=True)]
         slides = [_sliding(*pair) for pair in zip(clips, stands, strict=True)]
         validity = measure.mean(clips)
@@ -132,15 +132,23 @@ def constraints(manifold: MotionManifold, takes: list[np.ndarray]) -> Result:
 
 def _claims_of_constraints(rows: list[list]) -> list[Claim]:
     """What a projection lacks, and what constraints cost, from the rows of the table."""
-    true, plain, before, kept = (Validity(*row[3:]) for row in rows)
-    worse = plain.bone_length > true.bone_length and plain.foot_sliding > true.foot_sliding
-    (error, slide), (kept_error, kept_slide) = (row[1:3] for row in rows[2:])
-    held = kept.bone_length < MOST_OFF and kept_slide <= slide / 5 and kept_error <= error
-    figures = f"bones {kept.bone_length:.1e} cm off, {before.bone_length:.2f} before; standing "
-    figures += f"feet {kept_slide:.1f} cm/s, {slide:.1f} before; position {kept_error:.2f} cm, "
+    true, plain, averaged, constrained = (Validity(*row[3:]) for row in rows)
+    is_worse = plain.bone_length > true.bone_length and plain.foot_sliding > true.foot_sliding
+    _, error, slide, *_ = rows[2]
+    _, constrained_error, constrained_slide, *_ = rows[3]
+    is_kept = (
+        constrained.bone_length < MOST_OFF
+        and constrained_slide <= slide / 5
+        and constrained_error <= error
+    )
+    figures = (
+        f"bones {constrained.bone_length:.1e} cm off, {averaged.bone_length:.2f} before; standing "
+        f"feet {constrained_slide:.1f} cm/s, {slide:.1f} before; position "
+        f"{constrained_error:.2f} cm, {error:.2f} before."
+    )
     return [
-        Claim("no_guarantee", worse, f"{plain.against(true)} of the true motion."),
-        Claim("constraints_kept", bool(held), f"{figures}{error:.2f} before."),
+        Claim("no_guarantee", is_worse, f"{plain.against(true)} of the true motion."),
+        Claim("constraints_kept", bool(is_kept), figures),
     ]
 
 
@@ -151,7 +159,7 @@ def _sliding(features: np.ndarray, stands: np.ndarray) -> float:
     return 100 * float(steps.mean()) if steps.size else 0.0
 
 
-def _constrained(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
+def _constrain(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
     """Features (F, 63) on bones of the manifold's lengths, with feet that stand still."""
     positions = features_to_positions(features)
     fitted = fit_motion(positions, manifold.lengths, manifold.rate)
@@ -159,7 +167,7 @@ def _constrained(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
     return manifold.features(body_positions(mended))[0]
 
 
-def _integrated(manifold: MotionManifold, positions: np.ndarray) -> float:
+def _error_of_path(manifold: MotionManifold, positions: np.ndarray) -> float:
     """The largest distance between a motion and the one integrated from its features, cm."""
     body = change_lengths(positions, bone_lengths(positions), manifold.lengths)
     back = features_to_positions(*manifold.features(positions))
@@ -170,15 +178,24 @@ def _changes(manifold: MotionManifold, takes: list[np.ndarray]) -> tuple[float, 
     """By how much a delay of one frame changes the units of layer 1, in deviations of the units:
     with max pooling, and with every second frame instead."""
     layer = manifold.network.layers[0]
-    changes: list[list[float]] = [[], []]
+    with_maximum = []
+    with_every_second = []
     for take in takes:
         x = manifold.normalise(take[: len(take) // 2 * 2 - 1])[None]
-        both = [np.pad(x, ((0, 0), ends, (0, 0)), mode="edge") for ends in ((0, 1), (1, 0))]
-        maps = [ops.conv1d(each, layer.w, layer.b)[0] for each in both]
-        for kind, pool in enumerate((lambda y: ops.max_pool(y)[0], lambda y: y[:, ::2])):
-            here, delayed = (np.tanh(pool(each)) for each in maps)
-            changes[kind].append(float(np.sqrt(np.mean((here - delayed) ** 2) / here.var())))
-    return float(np.mean(changes[0])), float(np.mean(changes[1]))
+        longer = np.pad(x, ((0, 0), (0, 1), (0, 0)), mode="edge")
+        delayed = np.pad(x, ((0, 0), (1, 0), (0, 0)), mode="edge")
+        maps, _ = ops.conv1d(longer, layer.w, layer.b)
+        delayed_maps, _ = ops.conv1d(delayed, layer.w, layer.b)
+        pooled = ops.max_pool(maps)[0], ops.max_pool(delayed_maps)[0]
+        with_maximum.append(_relative_change(*pooled))
+        with_every_second.append(_relative_change(maps[:, ::2], delayed_maps[:, ::2]))
+    return float(np.mean(with_maximum)), float(np.mean(with_every_second))
+
+
+def _relative_change(maps: np.ndarray, delayed: np.ndarray) -> float:
+    """The root mean square of the change of the units, by their standard deviation."""
+    units = np.tanh(maps)
+    return float(np.sqrt(np.mean((units - np.tanh(delayed)) ** 2) / units.var()))
 
 
 def unpoolings(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
@@ -194,7 +211,7 @@ def unpoolings(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
         first = rng.random(decoded[RANDOM].shape) < 0.5
         decoded[RANDOM], _ = layer.decode_with_pullback(decoded[RANDOM], first)
     trembling = {name: _jitter(testing, x) for name, x in decoded.items()}
-    times = {name: each / trembling[TRUE] for name, each in trembling.items()}
+    times = {name: value / trembling[TRUE] for name, value in trembling.items()}
     rows = [[name, testing.error(x), trembling[name], times[name]] for name, x in decoded.items()]
     header = ["unpooling", "error, cm", "jitter, m/s²", "of the truth's"]
     figures = {name: f"{ratio:.1f} times the jitter of the truth." for name, ratio in times.items()}
@@ -210,9 +227,11 @@ def unpoolings(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
 def _jitter(testing: Clips, x: np.ndarray) -> float:
     """The mean jitter of windows, of the frames that count, m/s²."""
     manifold = testing.manifold
-    each = zip(manifold.denormalise(x), testing.real, strict=True)
-    kept = [features[real] for features, real in each if real.sum() > 2]
-    return float(np.mean([jitter(features_to_positions(one), manifold.rate) for one in kept]))
+    jitters = []
+    for features, is_real in zip(manifold.denormalise(x), testing.real, strict=True):
+        if is_real.sum() > 2:
+            jitters.append(jitter(features_to_positions(features[is_real]), manifold.rate))
+    return float(np.mean(jitters))
 
 
 def filters(manifold: MotionManifold, clips: Clips, seed: int) -> Result:
@@ -220,11 +239,9 @@ def filters(manifold: MotionManifold, clips: Clips, seed: int) -> Result:
     trained = _layers(manifold, clips)
     initial = _layers(untrained(manifold, seed), clips)
     header = ["layer", "frames", "joints", "correlation"]
-    rows = [
-        [f"layer {n + 1}{kind}", *values]
-        for kind, layers in (("", trained), (", untrained", initial))
-        for n, values in enumerate(layers)
-    ]
+    rows = [[f"layer {number}", *values] for number, values in enumerate(trained, start=1)]
+    for number, values in enumerate(initial, start=1):
+        rows.append([f"layer {number}, untrained", *values])
     frames, joints, correlations = np.array(trained).T
     listed = ", ".join(f"{value:.1f}" for value in joints)
     lasting = ", ".join(f"{value:.1f}" for value in frames)
@@ -271,7 +288,8 @@ def _layers(manifold: MotionManifold, clips: Clips) -> list[tuple[float, float, 
 def _responses(manifold: MotionManifold, units: np.ndarray, n: int) -> np.ndarray:
     """What raising each of the units (N, k) of layer n adds to the motion, (k, frames, 63)."""
     layers = manifold.network.layers[:n]
-    middle = sum(len(layer.w) // 2 * 2**below for below, layer in enumerate(layers)) // 2**n + 1
+    radius = sum(len(layer.w) // 2 * 2**below for below, layer in enumerate(layers))
+    middle = radius // 2**n + 1
     filters = np.arange(units.shape[1])
     raised = np.tile(units.mean(axis=0), (len(filters) + 1, 2 * middle + 1, 1))
     raised[filters, middle, filters] = np.quantile(units, 0.99, axis=0)

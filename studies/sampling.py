@@ -24,7 +24,7 @@ from studies.shared.validity import Validity, ValidityMeasure, validity_table
 DRAWN = 24
 """Motions drawn from each prior."""
 SLACK = 1.25
-"""SLACK: a motion is valid if each error is at most this many times that of projected motion."""
+"""A motion is valid if each error is at most this many times that of projected motion."""
 REAL = "test takes"
 PROJECTED_REAL = "test takes, projected"
 UNIFORM = "uniform prior"
@@ -50,7 +50,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         FITTED: [sample(manifold, frames, rng, prior) for _ in range(DRAWN)],
     }
     measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
-    measured = {name: measure.mean(each) for name, each in clips.items()}
+    measured = {source: measure.mean(motions) for source, motions in clips.items()}
     caption = f"Mean over {DRAWN} motions drawn from each prior:"
     motions = {UNIFORM: (clips[UNIFORM][0], CORRUPTED)}
     for letter, motion in zip("abc", clips[FITTED], strict=False):
@@ -66,6 +66,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     )
 
 
-def _claim(key: str, made: Validity, real: Validity) -> Claim:
-    valid = all(a <= SLACK * b for a, b in zip(astuple(made), astuple(real), strict=True))
-    return Claim(key, valid, f"{made.against(real)} of the projected test takes.")
+def _claim(key: str, sampled: Validity, real: Validity) -> Claim:
+    pairs = zip(astuple(sampled), astuple(real), strict=True)
+    is_valid = all(error <= SLACK * real_error for error, real_error in pairs)
+    return Claim(key, is_valid, f"{sampled.against(real)} of the projected test takes.")

@@ -10,8 +10,13 @@ pose, the first pose, and the same network without its regulariser.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from numpy_cae.evaluation import tables as evaluated
-from numpy_cae.evaluation.tables import BY_PCA, NETWORK, SQUARED, Table
+from numpy_cae.evaluation.tables import (
+    BY_PCA,
+    NETWORK,
+    SQUARED,
+    Table,
+    reconstruction,
+)
 from numpy_cae.training import SequenceSchedule, TrainingState
 from studies.jang2018 import training
 from studies.jang2018.actions import Action
@@ -21,7 +26,7 @@ from studies.shared.messages import note
 from studies.shared.result import Claim, Result, combined
 
 MMD_WEIGHT = 0.1
-"""MMD_WEIGHT: λ of MMD, as in the authors' later program."""
+"""Λ of MMD, as in the authors' later program."""
 NOTE = (
     "Synthetic clips are computed by formula (data_synth). The poster trains on Human3.6M, which "
     "may not be redistributed, and states no size, rate, λ or number of steps: those are ours."
@@ -48,23 +53,24 @@ def run(
         return training.train_study(action, weighted, seed, progress, mmd, **network)
 
     weights = {SLICED: schedule.weight, MMD: MMD_WEIGHT, NONE: 0.0}
-    trained = {n: [train(action, weight, n) for action in actions] for n, weight in weights.items()}
+    trained: dict[str, list[Study]] = {}
+    for name, weight in weights.items():
+        trained[name] = [train(action, weight, name) for action in actions]
     studies = trained[SLICED]
     parts = [
         figure_2(studies),
-        reconstruction(studies, seed),
+        measure_reconstruction(studies, seed),
         samples(studies, seed),
         regulariser(trained, seed),
     ]
-    figures = {
-        f"{study.action.name}_{source}": figure_3(study, seed, source)
-        for study in studies
-        for source in COLOURS
-    }
+    figures = {}
+    for study in studies:
+        for source in COLOURS:
+            figures[f"{study.action.name}_{source}"] = figure_3(study, seed, source)
     title = "jang2018: Latent Motion Manifold with Sequential Auto-Encoders"
     parts.append(Result("", [], figures=figures))
-    made = _provenance(studies[0], actions, schedule)
-    return replace(combined(title, parts, NOTE), provenance=made)
+    provenance = _provenance(studies[0], actions, schedule)
+    return replace(combined(title, parts, NOTE), provenance=provenance)
 
 
 def _provenance(
@@ -77,21 +83,22 @@ def _provenance(
     return data | {"network": network, "schedule": str(schedule), "weight of MMD": str(MMD_WEIGHT)}
 
 
-def reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
+def measure_reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
     """Measure each study's network on its held-out clips; z has one size in all of them."""
     tables = []
     claims = []
     for study in studies:
         action = study.action
-        table = evaluated.reconstruction(
-            action.name, study.manifold, action.training, action.testing, seed
-        )
+        table = reconstruction(action.name, study.manifold, action.training, action.testing, seed)
         tables.append(table)
-        network, linear = (table.value(f"{action.name}: {m}", SQUARED) for m in (NETWORK, BY_PCA))
+        network = table.value(f"{action.name}: {NETWORK}", SQUARED)
+        linear = table.value(f"{action.name}: {BY_PCA}", SQUARED)
         latent = study.manifold.network.latent
         figures = f"{network:.3f} of unit variance, PCA with {latent} numbers {linear:.3f}."
         claims.append(Claim("reconstructs", network < linear, figures, action.name))
-    rows = [row for table in tables for row in table.rows]
+    rows: list[list] = []
+    for table in tables:
+        rows += table.rows
     caption = "Reconstruction of held-out clips by the network and by simpler methods:"
     table = Table(caption, tables[0].header, rows, tables[0].formats)
     return Result("Reconstruction", [table], claims)

@@ -23,7 +23,7 @@ from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.bodies import read_body
 from numpy_cae.training import recipe
-from studies.repair_sweep import WINDOWS, Errors, swept
+from studies.repair_sweep import WINDOWS, Errors, sweep
 from studies.shared.material import read_takes
 from studies.shared.result import Claim, Result, Table
 
@@ -31,7 +31,7 @@ PS = (0.5, 0.8, 0.9)
 SEEDS = 3
 FIFTH = 5
 MOST = 0.65
-"""MOST: completion should leave at most this share of the error of PCHIP."""
+"""Completion should leave at most this share of the error of PCHIP."""
 
 
 def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
@@ -42,13 +42,16 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
     takes = {Path(folder).resolve().name: _takes_of(folder) for folder in folders}
     tables = []
     claims = []
-    for name, own in takes.items():
-        others = [take for other, each in takes.items() if other != name for take in each]
-        errors = _errors(others, own, seed)
+    for name, takes_of_source in takes.items():
+        takes_of_other_sources: list[np.ndarray] = []
+        for source in takes:
+            if source != name:
+                takes_of_other_sources += takes[source]
+        errors = _errors(takes_of_other_sources, takes_of_source, seed)
         claims.append(_claim(name, errors))
         tables.append(_table(f"{name}, left out", errors))
-        earlier = [take for number, take in enumerate(own) if number % FIFTH]
-        later = _errors(earlier, own[::FIFTH], seed)
+        earlier = [take for number, take in enumerate(takes_of_source) if number % FIFTH]
+        later = _errors(earlier, takes_of_source[::FIFTH], seed)
         tables.append(_table(f"{name}, later takes of the same source", later))
     return Result("A source that was not in training", tables, claims)
 
@@ -62,7 +65,7 @@ def _errors(training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed:
     manifold = learn_manifold(training, recipe("fast"), seed)
     repairs = Repairs(manifold, clips_of(manifold, training))
     test = clips_of(manifold, testing).evenly(WINDOWS)
-    return swept(repairs, test, PS, range(seed, seed + SEEDS))
+    return sweep(repairs, test, PS, range(seed, seed + SEEDS))
 
 
 def _table(caption: str, errors: Errors) -> Table:
@@ -81,5 +84,6 @@ def _claim(name: str, errors: Errors) -> Claim:
     gaussian = errors[GAUSSIAN].mean(axis=1)
     better = bool(np.all(completed <= MOST * curve) and np.all(completed < gaussian))
     ratios = ", ".join(f"{ratio:.2f}" for ratio in completed / curve)
-    others = ", ".join(f"{ratio:.2f}" for ratio in completed / gaussian)
-    return Claim("carries_over", better, f"{ratios} of PCHIP; {others} of the Gaussian.", name)
+    of_gaussian = ", ".join(f"{ratio:.2f}" for ratio in completed / gaussian)
+    figures = f"{ratios} of PCHIP; {of_gaussian} of the Gaussian."
+    return Claim("carries_over", better, figures, name)

@@ -28,11 +28,12 @@ from studies.timing.time_to_quality import sequences_to_quality, time_to_quality
 
 HIDDEN = (128, 512, 1024)
 """Hidden units of the timed sequential networks."""
-CHECKED_WINDOWS, CHECKED_UNITS = 4, 24
-"""Windows, and hidden units, with which PyTorch's results are compared, in float64; more would take
-longer."""
+CHECKED_WINDOWS = 4
+"""Windows with which PyTorch's results are compared, in float64; more would take longer."""
+CHECKED_UNITS = 24
+"""Hidden units of the sequential network with which they are compared."""
 MOST_LOAD = 0.5
-"""MOST_LOAD: above this load of the machine, the mean of the last minute, times are unreliable."""
+"""Above this load of the machine, the mean of the last minute, times are unreliable."""
 
 
 def run(
@@ -42,12 +43,9 @@ def run(
     material: Material | None = None,
 ) -> Result:
     """Time every case at every batch size. ArithmeticError if PyTorch computes something else."""
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    busy = ""
-    if load > MOST_LOAD:
-        busy = f"Other programs use the processor ({load:.1f} on average in the last minute), so "
-        busy += "neither the times nor the ratios are reliable."
-        note(busy)
+    warning = _warning_of_load()
+    if warning:
+        note(warning)
     header = ["what", "B", "ms a window", "spread, %", "PyTorch, ms", "spread, %", "ratio"]
     formats = ("", "", ".3f", ".0f", ".3f", ".0f", ".2f")
     count = len(header) if nets.torch is not None else 4
@@ -60,11 +58,30 @@ def run(
     ]
     if material is not None:
         tables += [time_to_quality(material), sequences_to_quality()]
-    made = {"BLAS": f"{blas_threads() or 'unknown'} threads"}
-    made["matrix-product peak"] = f"{matrix_product_peak() / 1e9:.0f} GFLOP/s"
+    return Result("Times beside PyTorch", tables, note=warning, provenance=_provenance())
+
+
+def _warning_of_load() -> str:
+    """A sentence where other programs use the processor, else nothing."""
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    if load <= MOST_LOAD:
+        return ""
+    return (
+        f"Other programs use the processor ({load:.1f} on average in the last minute), so "
+        "neither the times nor the ratios are reliable."
+    )
+
+
+def _provenance() -> dict[str, str]:
+    """Threads and speed of the matrix products, and PyTorch's version and threads."""
+    provenance = {
+        "BLAS": f"{blas_threads() or 'unknown'} threads",
+        "matrix-product peak": f"{matrix_product_peak() / 1e9:.0f} GFLOP/s",
+    }
     if nets.torch is not None:
-        made["PyTorch"] = f"{nets.torch.__version__}, {nets.torch.get_num_threads()} threads"
-    return Result("Times beside PyTorch", tables, note=busy, provenance=made)
+        threads = nets.torch.get_num_threads()
+        provenance["PyTorch"] = f"{nets.torch.__version__}, {threads} threads"
+    return provenance
 
 
 def rows(batches: Sequence[int], rounds: int) -> Iterator[list[object]]:
@@ -85,13 +102,13 @@ def sequence_rows(batches: Sequence[int], rounds: int) -> Iterator[list[object]]
     """A training step of the sequential network for each number of hidden units."""
     if nets.torch is not None:
         small = SequentialAutoencoder(hidden=CHECKED_UNITS, latent=nets.LATENT, dtype=np.float64)
-        ours, given = nets.step(accelerate(small), CHECKED_WINDOWS)
-        nets.require_agreement("sequential", ours(), nets.torch_step(small, given)())
+        ours, arguments = nets.step(accelerate(small), CHECKED_WINDOWS)
+        nets.require_agreement("sequential", ours(), nets.torch_step(small, arguments)())
     for batch in batches:
         for units in HIDDEN:
             model = accelerate(SequentialAutoencoder(hidden=units, latent=nets.LATENT))
-            ours, given = nets.step(model, batch)
-            theirs = nets.torch_step(model, given) if nets.torch is not None else None
+            ours, arguments = nets.step(model, batch)
+            theirs = nets.torch_step(model, arguments) if nets.torch is not None else None
             yield _row(f"{units} hidden units", batch, ours, theirs, rounds)
 
 
@@ -99,19 +116,24 @@ def _row(
     name: str, batch: int, ours: Callable, theirs: Callable | None, rounds: int
 ) -> list[object]:
     """The times here and in PyTorch, and their ratio."""
-    times = time_alternately({"ours": ours} | ({"theirs": theirs} if theirs else {}), rounds)
+    functions = {"ours": ours}
+    if theirs is not None:
+        functions["theirs"] = theirs
+    times = time_alternately(functions, rounds)
     row: list[object] = [name, batch]
     for timing in times.values():
         row += [1e3 * timing.median / batch, 100 * timing.spread]
     note(f"{name}, {batch}: {row[2]:.3f} ms a window")
-    return [*row, times["theirs"].median / times["ours"].median] if theirs else row
+    if theirs is not None:
+        row.append(times["theirs"].median / times["ours"].median)
+    return row
 
 
 PAUSE_SECONDS = 0.03
-"""PAUSE_SECONDS: the wait before each measurement (s): the threads of OpenMP and BLAS wait actively
+"""The wait before each measurement (s): the threads of OpenMP and BLAS wait actively
 for a while after their work is done, which would slow down the next function."""
 MIN_SECONDS = 0.03
-"""MIN_SECONDS: a measurement takes at least this (s); a faster function is called several times."""
+"""A measurement takes at least this (s); a faster function is called several times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +168,7 @@ def time_alternately(
             for _ in range(repeats[name]):
                 function()
             seconds[name].append((time.perf_counter() - start) / repeats[name])
-    return {name: Timing(np.array(each)) for name, each in seconds.items()}
+    return {name: Timing(np.array(rounds)) for name, rounds in seconds.items()}
 
 
 def _repeats(function: Callable[[], object]) -> int:

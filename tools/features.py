@@ -28,13 +28,13 @@ from tools.readme_picture import damaged_walk
 DOCS = Path(__file__).parents[1] / "docs"
 WIDTH, HEIGHT, COLOURS = 1000, 720, 128
 FRAME = 50
-"""FRAME: the frame that is shown of a page that plays motions; of a page with findings it is the
+"""The frame that is shown of a page that plays motions; of a page with findings it is the
 middle of the chosen one."""
 FEATURE = re.compile(
     r"## (?P<heading>.*)\n[^#]*?```sh\n(?P<command>.*)\n```\n\n"
     r"(`(?P<shown>.*)`:\n\n)?!\[.*\]\((?P<picture>.*)\)"
 )
-"""FEATURE: of docs/features.md, the heading, the command, the file that the picture shows, or
+"""Of docs/features.md, the heading, the command, the file that the picture shows, or
 nothing where the picture shows what was printed, and the picture."""
 WRONG = """import numpy as np
 

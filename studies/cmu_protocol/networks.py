@@ -21,9 +21,9 @@ START = {"leg": (7, 0.1, 4.0), "body": (7, 0.3, 8.0)}
 """Settings of `gaussian_process`. They and all constants below were chosen on training takes that
 were left out."""
 VISIBLE = 0.05
+"""The factor of the standardised columns that are visible."""
 HIDDEN = 0.4
-"""VISIBLE, HIDDEN: factors of the standardised columns, so that the loss is mostly that of the
-hidden ones."""
+"""The factor of those that are hidden, larger, so that the loss is mostly theirs."""
 NOISE = 0.3
 """Standard deviation of the noise that is added to the standardised input."""
 BATCH = 16
@@ -32,8 +32,9 @@ TAPS = 15
 WINDOW = 32
 STEPS = 500
 RATE = 2e-3
+"""The peak of the learning rate."""
 NORM = 0.05
-"""RATE, NORM: the peak of the learning rate, and the bound on the gradient's norm."""
+"""The bound on the gradient's norm."""
 
 Draw = Callable[[np.random.Generator], tuple[np.ndarray, np.ndarray]]
 """Random numbers to a batch of true windows and the corrupted windows."""
@@ -50,7 +51,8 @@ def networks(takes: Sequence[np.ndarray], columns: list[int], seeds: Sequence[in
     factors = np.full(59, VISIBLE, np.float32)
     factors[columns] = HIDDEN
     padded = [_padded(take * factors, WINDOW // 4) for take in takes]
-    started = [_padded(take * factors, WINDOW // 4) for take in _started(takes, columns)]
+    predicted = _predict_columns(takes, columns)
+    started = [_padded(take * factors, WINDOW // 4) for take in predicted]
     fill_start = start(takes, columns)
 
     def draw(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -60,13 +62,13 @@ def networks(takes: Sequence[np.ndarray], columns: list[int], seeds: Sequence[in
 
     def fill_with(project: Project) -> Fill:
         def fill(take: np.ndarray, first: int) -> np.ndarray:
-            whole = take.copy()
-            whole[:, columns] = fill_start(take, first)
-            return (project(whole * factors) / factors)[:, columns]
+            filled = take.copy()
+            filled[:, columns] = fill_start(take, first)
+            return (project(filled * factors) / factors)[:, columns]
 
         return add_residual(fill, columns)
 
-    return [fill_with(trained(draw, seed)) for seed in seeds]
+    return [fill_with(train(draw, seed)) for seed in seeds]
 
 
 def start(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
@@ -75,7 +77,7 @@ def start(takes: Sequence[np.ndarray], columns: list[int]) -> Fill:
     return gaussian_process(takes, columns, *START[group])
 
 
-def trained(draw: Draw, seed: int) -> Project:
+def train(draw: Draw, seed: int) -> Project:
     """Train a `ConvAutoencoder`."""
     rng = np.random.default_rng(seed)
     network = accelerate(ConvAutoencoder(59, FILTERS, TAPS, rng=rng), 1)
@@ -94,15 +96,15 @@ def trained(draw: Draw, seed: int) -> Project:
     return project
 
 
-def _started(takes: Sequence[np.ndarray], columns: list[int]) -> list[np.ndarray]:
+def _predict_columns(takes: Sequence[np.ndarray], columns: list[int]) -> list[np.ndarray]:
     """The takes with the columns replaced by predictions of a regression on other takes."""
-    started = [take.copy() for take in takes]
+    predicted = [take.copy() for take in takes]
     for fold in range(FOLDS):
-        others = [take for n, take in enumerate(takes) if n % FOLDS != fold]
-        fill = start(others, columns)
-        for take in started[fold::FOLDS]:
+        takes_of_other_folds = [take for n, take in enumerate(takes) if n % FOLDS != fold]
+        fill = start(takes_of_other_folds, columns)
+        for take in predicted[fold::FOLDS]:
             take[:, columns] = fill(take, 0)
-    return started
+    return predicted
 
 
 def _windows(

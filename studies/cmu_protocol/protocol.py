@@ -83,8 +83,9 @@ def rows_of(frames: np.ndarray) -> np.ndarray:
     steps = before[:, [0, 2]] - after[:, [0, 2]]
     parts = [angles, steps, after[:, 1:2]]
     for function in (np.sin, np.cos):
-        turned, turned_after = (function(np.deg2rad(x[:, 3:6])) for x in (before, after))
-        parts += [turned_after[:, [0, 2]], turned[:, 1:2] - turned_after[:, 1:2]]
+        turns_before = function(np.deg2rad(before[:, 3:6]))
+        turns_after = function(np.deg2rad(after[:, 3:6]))
+        parts += [turns_after[:, [0, 2]], turns_before[:, 1:2] - turns_after[:, 1:2]]
     return np.concatenate(parts, axis=1)
 
 
@@ -121,13 +122,16 @@ def _read_table(path: Path) -> dict[int, np.ndarray]:
 
 
 def _find(folders: Sequence[str | Path], pattern: str) -> list[Path]:
-    return [path for folder in folders for path in sorted(Path(folder).rglob(pattern))]
+    paths = []
+    for folder in folders:
+        paths += sorted(Path(folder).rglob(pattern))
+    return paths
 
 
 OFFSET = 0.5
-"""OFFSET: the variance of a take's constant error, relative to that of its varying error."""
+"""The variance of a take's constant error, relative to that of its varying error."""
 MEMORY = 10
-"""MEMORY: the number of rows in which the correlation of the varying error falls by e."""
+"""The number of rows in which the correlation of the varying error falls by e."""
 
 
 def add_residual(fill: Fill, columns: list[int]) -> Fill:
@@ -138,20 +142,20 @@ def add_residual(fill: Fill, columns: list[int]) -> Fill:
     noise.
     """
 
-    def filled(take: np.ndarray, first: int) -> np.ndarray:
+    def fill_and_correct(take: np.ndarray, first: int) -> np.ndarray:
         values = fill(take, first)
         error = take[:first, columns] - values[:first]
         rows = np.arange(len(take))
         covariance = OFFSET + np.exp(-np.abs(rows[:, None] - rows[:first]) / MEMORY)
         return values + covariance @ np.linalg.solve(covariance[:first] + np.eye(first), error)
 
-    return filled
+    return fill_and_correct
 
 
 def nearest(takes: Sequence[np.ndarray], columns: list[int], spread: np.ndarray) -> Fill:
     """Copy the training row with the nearest visible columns, each multiplied by its `spread`."""
     rows = np.concatenate(takes)
-    visible = others(columns)
+    visible = visible_columns(columns)
     weighted = rows[:, visible] * spread[visible]
 
     def fill(take: np.ndarray, first: int) -> np.ndarray:
@@ -167,7 +171,7 @@ def gaussian_process(
 ) -> Fill:
     """The mean of a Gaussian process, with the kernel exp(-d² / (width · number of values)) of the
     distance d of the visible columns of `taps` rows, and `penalty` on its diagonal."""
-    seen = np.concatenate([around(take[:, others(columns)], taps) for take in takes])
+    seen = np.concatenate([around(take[:, visible_columns(columns)], taps) for take in takes])
     hidden = np.concatenate([take[:, columns] for take in takes])
     mean = hidden.mean(axis=0)
 
@@ -176,7 +180,9 @@ def gaussian_process(
         return np.exp(-(lengths - 2 * rows @ seen.T) / (width * seen.shape[1]))
 
     weights = np.linalg.solve(kernel(seen) + penalty * np.eye(len(seen)), hidden - mean)
-    return lambda take, first: kernel(around(take[:, others(columns)], taps)) @ weights + mean
+    return lambda take, first: (
+        kernel(around(take[:, visible_columns(columns)], taps)) @ weights + mean
+    )
 
 
 def around(take: np.ndarray, taps: int) -> np.ndarray:
@@ -188,6 +194,6 @@ def around(take: np.ndarray, taps: int) -> np.ndarray:
     return np.concatenate([padded[k : k + len(take)] for k in range(taps)], axis=1)
 
 
-def others(columns: list[int]) -> list[int]:
+def visible_columns(columns: list[int]) -> list[int]:
     """The visible columns."""
     return [column for column in range(59) if column not in columns]

@@ -114,29 +114,29 @@ def stateful(change: Callable) -> tuple:
 
     def f(x):
         y = np.tanh(x)
-        kept = {}
-        return y, lambda dy: change(dy * (1 - y * y), kept)
+        memory = {}
+        return y, lambda dy: change(dy * (1 - y * y), memory)
 
     return f, NORMAL
 
 
-def accumulating(dx, kept):
-    kept["sum"] = kept.get("sum", 0) + dx
-    return kept["sum"]
+def accumulating(dx, memory):
+    memory["sum"] = memory.get("sum", 0) + dx
+    return memory["sum"]
 
 
-def popping(dx, kept):
-    stack = kept.setdefault("stack", [1.0, 1.0])
+def popping(dx, memory):
+    stack = memory.setdefault("stack", [1.0, 1.0])
     return dx * (stack.pop() if stack else 0.0) if len(stack) == 2 else 0 * dx
 
 
-def doubling(dx, kept):
-    kept["factor"] = 2 * kept.get("factor", 0.5)
-    return dx * kept["factor"]
+def doubling(dx, memory):
+    memory["factor"] = 2 * memory.get("factor", 0.5)
+    return dx * memory["factor"]
 
 
-def one_buffer(dx, kept):
-    buffer = kept.setdefault("dx", np.empty_like(dx))
+def one_buffer(dx, memory):
+    buffer = memory.setdefault("dx", np.empty_like(dx))
     buffer[...] = dx
     return buffer
 
@@ -233,7 +233,7 @@ WRONG = {
     "dx added up over calls": stateful(accumulating),
     "a stack popped by the first call": stateful(popping),
     "a factor doubled by each call": stateful(doubling),
-    "the first dx returned again": stateful(lambda dx, kept: kept.setdefault("dx", dx)),
+    "the first dx returned again": stateful(lambda dx, memory: memory.setdefault("dx", dx)),
     "every dx in one buffer": stateful(one_buffer),
     "dy clipped to ±3": of(np.tanh, tanh_slope, NORMAL, lambda dy: np.clip(dy, -3, 3)),
     "the size of dy in place of dy": of(np.tanh, tanh_slope, NORMAL, np.abs),

@@ -39,9 +39,9 @@ def maximum_mean_discrepancy(z: np.ndarray, prior: np.ndarray) -> tuple[float, P
     loss = (k_z.sum() + k_prior.sum() - diagonal) / inside - 2 * k_both.sum() / between
 
     def pullback(dloss: float = 1.0) -> np.ndarray:
-        own = slope_z.sum(axis=1, keepdims=True) * z - slope_z @ z
-        other = slope_both.sum(axis=1, keepdims=True) * z - slope_both @ prior
-        return (dloss * 4 * (own / inside - other / between)).astype(z.dtype)
+        from_codes = slope_z.sum(axis=1, keepdims=True) * z - slope_z @ z
+        from_prior = slope_both.sum(axis=1, keepdims=True) * z - slope_both @ prior
+        return (dloss * 4 * (from_codes / inside - from_prior / between)).astype(z.dtype)
 
     return loss.astype(z.dtype), pullback
 

@@ -68,19 +68,24 @@ def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Picture:
 
 def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     """Draw clips from each source and study, and measure them."""
-    rows = [row for study in studies for row in _rows(study, seed)]
+    rows: list[list] = []
+    for study in studies:
+        rows += _rows(study, seed)
     caption = "Samples compared with test clips:"
     table = Table(caption, HEADER, rows, ("", ".2f", ".0%", ".2f"))
-    actions = [study.action for study in studies]
+    periodic = []
+    aperiodic = []
+    for study in studies:
+        value = table.value(f"{study.action.name}: {FITTED}", "diversity")
+        if study.action.periodic:
+            periodic.append(value)
+        else:
+            aperiodic.append(value)
     claims = []
-    alike, other = (
-        [table.value(f"{a.name}: {FITTED}", "diversity") for a in actions if a.periodic == periodic]
-        for periodic in (True, False)
-    )
-    if alike and other:
-        others = ", ".join(f"{value:.2f}" for value in other)
-        figures = f"{max(alike):.2f} for the periodic action, {others} for the others."
-        claims.append(Claim("samples_vary", max(alike) < min(other), figures))
+    if periodic and aperiodic:
+        listed = ", ".join(f"{value:.2f}" for value in aperiodic)
+        figures = f"{max(periodic):.2f} for the periodic action, {listed} for the others."
+        claims.append(Claim("samples_vary", max(periodic) < min(aperiodic), figures))
     return Result("Samples of jang2018's manifolds compared with test clips", [table], claims)
 
 
@@ -104,7 +109,9 @@ MAX_DISCREPANCY_RATIO = 2.0
 """The discrepancy may be at most this many times that of two draws of the prior."""
 REPEATS = 10
 """Measurements in a mean: a single discrepancy varies by a seventh."""
-SLICED, MMD, NONE = "sliced Wasserstein", "MMD", "none, λ = 0"
+SLICED = "sliced Wasserstein"
+MMD = "MMD"
+NONE = "none, λ = 0"
 REGULARISERS = ("regulariser", "mean square", "to the prior", "of two draws", "distinguished")
 
 
@@ -123,12 +130,12 @@ def regulariser(trained: dict[str, Sequence[Study]], seed: int = 0) -> Result:
         distances = [_mean_discrepancy(study, seed) for study in studies]
         errors[name] = np.array([study.squared_error() for study in studies])
         ratios[name] = np.array(distances) / smallest
-        each = zip(studies, errors[name], distances, ratios[name], strict=True)
-        for study, error, distance, ratio in each:
+        measured = zip(studies, errors[name], distances, ratios[name], strict=True)
+        for study, error, distance, ratio in measured:
             sampled = sample_clips(study, PRIOR, SAMPLES, seed)
             real = study.random_clips(SAMPLES, seed, training=False)
-            told = nearest_neighbour_accuracy(real, sampled)
-            rows.append([f"{study.action.name}: {name}", error, distance, ratio, told])
+            accuracy = nearest_neighbour_accuracy(real, sampled)
+            rows.append([f"{study.action.name}: {name}", error, distance, ratio, accuracy])
     caption = f"Regularisers; two draws of the prior are {smallest:.4f} apart:"
     costs = errors[SLICED] / errors[NONE]
     return Result(

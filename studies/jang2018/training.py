@@ -117,7 +117,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LEAST_PROBABILITY = 0.01
-"""LEAST_PROBABILITY: a curve has a trend if p is smaller than this."""
+"""A curve has a trend if p is smaller than this."""
 MEASURES = {"error": "reconstruction error, rad", "discrepancy": "discrepancy to the prior"}
 
 

@@ -23,24 +23,27 @@ Damaged = tuple[Motion, np.ndarray]
 """The damaged motion and the mask of what is damaged, (frames, 20) bool."""
 
 SECONDS = (0.3, 3.0)
-"""SECONDS: the range of the length of a stretch of damage if the take is long enough (s)."""
+"""The range of the length of a stretch of damage if the take is long enough (s)."""
 EASED = ("frozen in channels", "frozen in the world", "twisted leg", "missing marker")
-"""EASED: damage of these kinds may begin and end over some frames (`eased`)."""
+"""Damage of these kinds may begin and end over some frames (`eased`)."""
 ONSETS = (0, 1, 2, 4, 8)
-"""ONSETS: in so many frames at 30 a second."""
-TWIST, SPIKE = 50.0, (20.0, 60.0)
-"""The angle of a twisted leg and the range of angles of spikes, in degrees."""
+"""In so many frames at 30 a second."""
+TWIST = 50.0
+"""The angle of a twisted leg (degrees)."""
+SPIKE = (20.0, 60.0)
+"""The range of angles of spikes (degrees)."""
 JITTER = np.radians(1.5)
-"""JITTER: the standard deviation of the rotation about each axis (rad)."""
+"""The standard deviation of the rotation about each axis (rad)."""
 ROOT_JITTER = 0.004
-"""ROOT_JITTER: the standard deviation of the root's position (m)."""
+"""The standard deviation of the root's position (m)."""
 LONG = (1.0, 2.0)
-"""LONG: the range of the length of damage as in StableMotion (s)."""
-NOISE, MOST_NOISE = 0.1, 0.5
-"""NOISE, MOST_NOISE: the standard deviation of noise of quaternions, times 0.5 to 1, and its bound;
-numbers of StableMotion."""
+"""The range of the length of damage as in StableMotion (s)."""
+NOISE = 0.1
+"""The standard deviation of noise of quaternions, times 0.5 to 1; a number of StableMotion."""
+MOST_NOISE = 0.5
+"""The bound of this noise; a number of StableMotion."""
 WRONG = 0.001
-"""WRONG: a joint that damage moves by more than this (m) is damaged."""
+"""A joint that damage moves by more than this (m) is damaged."""
 
 
 def stretch(motion: Motion, seconds: float, rng: Rng) -> slice:
@@ -69,7 +72,7 @@ def spikes(motion: Motion, rng: Rng) -> Damaged:
     mask = np.zeros((len(motion), len(JOINTS)), bool)
     for first in rng.integers(1, len(motion) - 2, max(1, round(motion.seconds))):
         frames = slice(int(first), int(first + rng.integers(1, 3)))
-        motion, spike = _turned(motion, frames, rng.uniform(*SPIKE), rng)
+        motion, spike = _turn(motion, frames, rng.uniform(*SPIKE), rng)
         mask |= spike
     return motion, mask
 
@@ -77,10 +80,10 @@ def spikes(motion: Motion, rng: Rng) -> Damaged:
 def twisted_limb(motion: Motion, rng: Rng) -> Damaged:
     """A leg turns by 50 degrees at the hip for a stretch."""
     leg = f"{rng.choice(['left', 'right'])}_leg"
-    return _turned(motion, stretch(motion, rng.uniform(*SECONDS), rng), TWIST, rng, leg)
+    return _turn(motion, stretch(motion, rng.uniform(*SECONDS), rng), TWIST, rng, leg)
 
 
-def _turned(
+def _turn(
     motion: Motion, frames: slice, degrees: float, rng: Rng, limb: str | None = None
 ) -> Damaged:
     """Turn a limb at its hip or shoulder, in its own frame or its parent's, about a random axis."""
@@ -168,9 +171,11 @@ def jitter_of_some(motion: Motion, rng: Rng) -> Damaged:
     """Noise on the quaternions of random joints, of both legs or of one leg, for 1 to 2 s."""
     frames = stretch(motion, rng.uniform(*LONG), rng)
     rig = find_joints(motion.skeleton)
-    left, right = ([JOINTS.index(name) for name in LIMBS[f"{s}_leg"]] for s in ("left", "right"))
+    left_leg = [JOINTS.index(name) for name in LIMBS["left_leg"]]
+    right_leg = [JOINTS.index(name) for name in LIMBS["right_leg"]]
     some = rng.permutation(len(JOINTS))[: rng.integers(1, len(JOINTS) + 1)].tolist()
-    chosen = [some, left + right, left, right][rng.choice(4, p=[0.4, 0.3, 0.15, 0.15])]
+    groups = [some, left_leg + right_leg, left_leg, right_leg]
+    chosen = groups[rng.choice(4, p=[0.4, 0.3, 0.15, 0.15])]
     rotations = motion.rotations.copy()
     for joint in chosen:
         q = rotations[frames, rig[joint]]
@@ -179,7 +184,8 @@ def jitter_of_some(motion: Motion, rng: Rng) -> Damaged:
         rotations[frames, rig[joint]] = q / np.linalg.norm(q, axis=-1, keepdims=True)
     damaged = replace(motion, rotations=rotations)
     off = np.linalg.norm(body_positions(damaged) - body_positions(motion), axis=-1)
-    wrong = [name for name, of in zip(JOINTS, off.T, strict=True) if of[frames].max() > WRONG]
+    farthest = off[frames].max(axis=0)
+    wrong = [name for name, metres in zip(JOINTS, farthest, strict=True) if metres > WRONG]
     return damaged, joint_mask(len(motion), wrong, frames)
 
 

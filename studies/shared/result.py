@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 
 STATEMENTS: dict[str, dict[str, str]] = {
-    each["key"]: each
-    for each in json.loads(Path(__file__).with_name("statements.json").read_text("utf-8"))
+    statement["key"]: statement
+    for statement in json.loads(Path(__file__).with_name("statements.json").read_text("utf-8"))
 }
 """The statements that studies test, of the papers in their order and of this project: key to
 sentence, source, and when it is confirmed."""
@@ -114,13 +114,14 @@ class Result:
 
 def combined(title: str, parts: Sequence[Result], note: str = "") -> Result:
     """The tables, claims and figures of several measurements as one result."""
-    return Result(
-        title,
-        [table for part in parts for table in part.tables],
-        [claim for part in parts for claim in part.claims],
-        {name: picture for part in parts for name, picture in part.figures.items()},
-        note,
-    )
+    tables: list[Table] = []
+    claims: list[Claim] = []
+    figures: dict[str, Picture] = {}
+    for part in parts:
+        tables += part.tables
+        claims += part.claims
+        figures |= part.figures
+    return Result(title, tables, claims, figures, note)
 
 
 def text(result: Result) -> str:
@@ -129,30 +130,35 @@ def text(result: Result) -> str:
     for claim in result.claims:
         verdict = "confirmed" if claim.confirmed else "not confirmed"
         claims.append(f"{verdict}: {claim.sentence} Measured: {measured(claim)}")
-    made = [f"{name}: {value}" for name, value in result.provenance.items()]
-    parts = [result.title, result.about, *(t.text() for t in result.tables), result.note]
-    return "\n\n".join(filter(None, [*parts, "\n".join(claims), "\n".join(made)]))
+    tables = [table.text() for table in result.tables]
+    provenance = [f"{name}: {value}" for name, value in result.provenance.items()]
+    parts = [result.title, result.about, *tables, result.note]
+    parts += ["\n".join(claims), "\n".join(provenance)]
+    return "\n\n".join(part for part in parts if part)
 
 
 def measured(claim: Claim) -> str:
     """The figures, and those of the opponent."""
-    return claim.figures + (f" {claim.opponent}" if claim.opponent else "")
+    if claim.opponent:
+        return f"{claim.figures} {claim.opponent}"
+    return claim.figures
 
 
 def data(result: Result) -> dict:
     """Everything but the pictures and the formats, in the types of JSON and NumPy's numbers."""
-    tables = [
-        {
-            "caption": table.caption,
-            "header": table.header,
-            # JSON has no NaN, the mark of an empty cell.
-            "rows": [[None if cell != cell else cell for cell in row] for row in table.rows],
-        }
-        for table in result.tables
-    ]
+    tables = []
+    for table in result.tables:
+        rows = [[_in_json(cell) for cell in row] for row in table.rows]
+        tables.append({"caption": table.caption, "header": table.header, "rows": rows})
     claims = [vars(claim) | {"sentence": claim.sentence} for claim in result.claims]
     texts = {name: getattr(result, name) for name in ("title", "about", "note")}
     return texts | {"tables": tables, "claims": claims, "provenance": dict(result.provenance)}
+
+
+def _in_json(cell: object) -> object:
+    """JSON has no NaN, the mark of an empty cell."""
+    is_nan = cell != cell
+    return None if is_nan else cell
 
 
 def png(picture: Picture) -> bytes:

@@ -60,15 +60,15 @@ class Validity:
     FORMATS = ("", ".2f", ".1f", ".2f", ".2f")
     """Of a table's columns: a name, then the measures."""
 
-    def against(self, other: Validity) -> str:
+    def against(self, opponent: Validity) -> str:
         """Each measure beside that of another motion, in a sentence."""
-        columns = zip(self.HEADER, self.FORMATS[1:], astuple(self), astuple(other), strict=True)
+        columns = zip(self.HEADER, self.FORMATS[1:], astuple(self), astuple(opponent), strict=True)
         return "; ".join(f"{name} {a:{form}} against {b:{form}}" for name, form, a, b in columns)
 
     @classmethod
     def mean(cls, measured: Sequence[Validity]) -> Validity:
         """The mean of each measure over motions."""
-        return cls(*np.mean([astuple(one) for one in measured], axis=0).tolist())
+        return cls(*np.mean([astuple(validity) for validity in measured], axis=0).tolist())
 
 
 class ValidityMeasure:

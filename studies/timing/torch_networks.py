@@ -57,7 +57,12 @@ def cases(model: ConvAutoencoder, batch: int, seed: int = 0) -> Iterator[Case]:
             rng.random((batch, frames >> (k + 1), layer.b.size)) < 0.5
             for k, layer in enumerate(used)
         ]
-        name, alpha = ("whole", 0.0) if index is None else (f"layer {index + 1}", 0.01)
+        if index is None:
+            name = "whole"
+            alpha = 0.0
+        else:
+            name = f"layer {index + 1}"
+            alpha = 0.01
         for unpooling, first in (("random", masks), ("even", None)):
             yield Case(f"{name}, {unpooling}", "step", x, corrupted, first, index, alpha)
     yield Case("encode", "encode", x, x, None, None)
@@ -69,7 +74,9 @@ class TorchModel:
 
     def __init__(self, model: ConvAutoencoder):
         self.layers = [(_tensor(layer.w), _tensor(layer.b), layer.bound) for layer in model.layers]
-        self.parameters = [parameter for w, b, _ in self.layers for parameter in (w, b)]
+        self.parameters = []
+        for w, b, _ in self.layers:
+            self.parameters += [w, b]
         for parameter in self.parameters:
             parameter.requires_grad_()
 
@@ -140,7 +147,10 @@ def require_agreement(name: str, ours: Any, theirs: Any) -> None:
 def arrays_in(result: Any) -> list[np.ndarray]:
     """The arrays of a result, which may be in tuples and lists."""
     if isinstance(result, tuple | list):
-        return [array for each in result for array in arrays_in(each)]
+        arrays = []
+        for part in result:
+            arrays += arrays_in(part)
+        return arrays
     return [np.asarray(result)]
 
 
@@ -168,13 +178,13 @@ def step(model: SequentialAutoencoder, batch: int, seed: int = 0) -> tuple[Calla
     dtype = model.weights["state_w"].dtype
     x = rng.standard_normal((batch, CLIP, model.features)).astype(dtype)
     prior = rng.standard_normal((batch, model.latent)).astype(dtype)
-    given = x, prior, unit_directions(DIRECTIONS, model.latent, rng, dtype)
+    arguments = x, prior, unit_directions(DIRECTIONS, model.latent, rng, dtype)
 
     def ours() -> Any:
-        losses, gradients = model.loss_and_gradients(*given, WEIGHT)
+        losses, gradients = model.loss_and_gradients(*arguments, WEIGHT)
         return losses.total, list(gradients.values())
 
-    return ours, given
+    return ours, arguments
 
 
 class TorchSequences:
@@ -191,10 +201,12 @@ class TorchSequences:
         for name, weight in model.weights.items():
             layer, letter = name.split("_")
             if layer in ("encoder", "decoder"):
-                theirs = OF_GRU[letter] + "_l0" * (layer == "encoder")
+                torch_name = OF_GRU[letter]
             else:
-                theirs = {"w": "weight", "b": "bias"}[letter]
-            parameter = getattr(getattr(self, layer), theirs)
+                torch_name = {"w": "weight", "b": "bias"}[letter]
+            if layer == "encoder":
+                torch_name += "_l0"
+            parameter = getattr(getattr(self, layer), torch_name)
             parameter.data = torch.tensor(np.ascontiguousarray(weight.T))
             self.parameters.append(parameter)
 
@@ -218,19 +230,20 @@ class TorchSequences:
     def loss(self, x, prior, directions, weight=WEIGHT):
         """The loss of jang2018 for one batch."""
         z, x_hat = self.reconstruct(x)
-        encoded, drawn = (torch.sort(each @ directions.T, dim=0)[0] for each in (z, prior))
+        encoded, _ = torch.sort(z @ directions.T, dim=0)
+        drawn, _ = torch.sort(prior @ directions.T, dim=0)
         return ((x_hat - x) ** 2).mean() + weight * ((encoded - drawn) ** 2).mean()
 
 
-def torch_step(model: SequentialAutoencoder, given: tuple) -> Callable[[], Any]:
+def torch_step(model: SequentialAutoencoder, arguments: tuple) -> Callable[[], Any]:
     """The same step in PyTorch, from the same weights."""
     network = TorchSequences(model)
-    arguments = list(map(torch.tensor, given))
+    tensors = list(map(torch.tensor, arguments))
 
     def theirs() -> Any:
         for parameter in network.parameters:
             parameter.grad = None
-        loss = network.loss(*arguments)
+        loss = network.loss(*tensors)
         loss.backward()
         return loss.detach(), [parameter.grad.t() for parameter in network.parameters]
 

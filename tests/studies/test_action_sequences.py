@@ -69,7 +69,7 @@ def test_figure_3_draws_samples_of_each_source(studies):
 
 def test_reconstruction_beside_simpler_methods(studies, monkeypatch):
     monkeypatch.setattr(tables, "PCA_CLIPS", 400)
-    result = sequences.reconstruction(studies[:1])
+    result = sequences.measure_reconstruction(studies[:1])
     errors = {
         method: result.tables[0].value(f"walking: {method}", SQUARED)
         for method in (MEAN, HELD, BY_PCA, NETWORK)

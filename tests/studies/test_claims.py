@@ -10,7 +10,7 @@ def test_both_networks_are_judged_in_the_order_of_the_statements(
 ):
     small_manifold.save(tmp_path / "model.npz")
     monkeypatch.setattr(claims, "STUDIES", ("comparison", "representation"))
-    monkeypatch.setattr(claims, "_jang2018", lambda quick, seed: Result("", []))
+    monkeypatch.setattr(claims, "judge_sequences", lambda quick, seed: Result("", []))
     files = 2 * [tmp_path / "model.npz"]
     result = claims.run(labelled, 0, *files, quick=True)
     keys = [claim.key for claim in result.claims]

@@ -33,7 +33,7 @@ def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled,
     rows = comparison.rows_of_distances(small_manifold)
     between = {name: distances(rows[name], clips, training) for name in (EQUATION_4, EUCLIDEAN)}
     between[RANDOM] = np.random.default_rng(0).random((5, 10))
-    average = comparison.retrieved(between, labelled.testing, labelled.training)
+    average = comparison.average_precisions(between, labelled.testing, labelled.training)
     assert list(average) == [
         "content", "style", "both", "content, other style", "style, other content"
     ]  # fmt: skip
@@ -43,7 +43,7 @@ def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled,
     # "neutral" is the one style that two contents share: without it there are no such queries.
     walks = [take for take in labelled.testing if take.content == "walk"]
     few = {name: d[:2, :4] for name, d in between.items()}
-    assert "style, other content" not in comparison.retrieved(few, walks, labelled.training[:4])
+    assert "style, other content" not in comparison.average_precisions(few, walks, labelled.training[:4])
 
 
 def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):

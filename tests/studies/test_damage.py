@@ -49,7 +49,7 @@ def test_fillings_and_filters_keep_what_they_should(take, small_manifold):
         assert 0 < off[mask].mean() < 0.3
     still = take.at(np.zeros(60, int))
     for name in damage.FILTERS:
-        made = damage.filtered(still, name)
+        made = damage.filter_curves(still, name)
         np.testing.assert_allclose(made.positions(), still.positions(), atol=1e-6)
 
 

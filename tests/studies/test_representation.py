@@ -6,7 +6,7 @@ from numpy_cae.manifold import starter
 from numpy_cae.mocap import body_of
 from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.contacts import find_contacts
-from studies.representation import _constrained, _sliding
+from studies.representation import _constrain, _sliding
 from studies.shared.validity import bone_length_error
 
 
@@ -15,7 +15,7 @@ def test_constraints_keep_lengths_and_standing_feet():
     truth, _ = manifold.features(body_of(make_take("walk", 99, 2.0, 30.0).motion))
     plain = manifold.project(truth, average_shifts=True)
     stands = find_contacts(features_to_positions(plain), manifold.rate)
-    kept = _constrained(manifold, plain)
+    kept = _constrain(manifold, plain)
     assert bone_length_error(features_to_positions(kept), manifold.lengths) < 1e-9
     assert _sliding(kept, stands) < _sliding(plain, stands) / 5
     assert position_error(kept, truth) < 1.1 * position_error(plain, truth)
