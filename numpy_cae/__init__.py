@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from numpy_cae import notebook as _notebook
 
-if TYPE_CHECKING:  # so that editors and type checkers know the names of __getattr__
+if TYPE_CHECKING:  # editors and type checkers learn here what __getattr__ imports
     from numpy_cae import (
         cleanup,
         course,
@@ -65,12 +65,14 @@ def __dir__() -> list[str]:
     return __all__
 
 
-def __getattr__(name: str) -> object:
-    if name in _FUNCTIONS:
-        return getattr(_import_module("numpy_cae.public"), name)
-    try:
-        return _import_module(f"numpy_cae.{name}")
-    except ModuleNotFoundError as error:
-        if error.name != f"numpy_cae.{name}":
-            raise
-        raise AttributeError(f"numpy_cae has no {name!r}") from None
+if not TYPE_CHECKING:  # a type checker would accept any name
+
+    def __getattr__(name: str) -> object:
+        if name in _FUNCTIONS:
+            return getattr(_import_module("numpy_cae.public"), name)
+        try:
+            return _import_module(f"numpy_cae.{name}")
+        except ModuleNotFoundError as error:
+            if error.name != f"numpy_cae.{name}":
+                raise
+            raise AttributeError(f"numpy_cae has no {name!r}") from None

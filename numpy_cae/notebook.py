@@ -1,27 +1,40 @@
 """Motions and repaired motions show themselves in a notebook."""
 
-from html import escape
+from __future__ import annotations
 
-from numpy_cae import ipython
+import sys
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy_cae.cleanup import Repaired
+    from numpy_cae.motion import Motion
+
+
+def running_shell() -> Any:
+    """The IPython that runs this; None in plain Python, where IPython need not be installed."""
+    ipython = sys.modules.get("IPython")
+    return ipython and ipython.get_ipython()
 
 
 def register() -> None:
-    """Tell IPython, if it runs this, how to display a Motion and a Repaired; import neither."""
-    if ipython.shell():
-        html = ipython.shell().display_formatter.formatters["text/html"]
+    """Tell the running IPython how to display a Motion and a Repaired, and import neither."""
+    shell = running_shell()
+    if shell:
+        html = shell.display_formatter.formatters["text/html"]
         html.for_type_by_name("numpy_cae.motion.motion", "Motion", motion_html)
         html.for_type_by_name("numpy_cae.cleanup.repaired", "Repaired", repaired_html)
 
 
-def motion_html(motion) -> str:
-    """What the motion is, and the viewer with it."""
+def motion_html(motion: Motion) -> str:
+    """The viewer with a motion."""
     from numpy_cae import viz
 
     actors = viz.side_by_side([motion], [repr(motion)])
     return viz.in_notebook(actors, motion.rate)._repr_html_()
 
 
-def repaired_html(repaired) -> str:
+def repaired_html(repaired: Repaired) -> str:
     """What was changed, and the viewer with the motion before and after and the findings."""
     from numpy_cae import viz
     from numpy_cae.mocap import rig_of

@@ -16,7 +16,7 @@ PACKAGE = ROOT / "numpy_cae"
 LAYERS = [
     *({"ops"}, {"models"}, {"training"}, {"motion"}, {"fast", "verify"}, {"manifold"}),
     *({"viz", "mocap"}, {"cleanup"}, {"evaluation"}, {"course", "download"}),
-    {"public", "notebook", "pytest_plugin"},
+    *({"inputs", "notebook"}, {"public", "pytest_plugin"}),
     *({"cli"}, {"__main__"}, {"__init__"}),
 ]
 """A package imports those before it, and itself; modules of the root are below all of them."""

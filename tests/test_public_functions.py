@@ -103,6 +103,128 @@ def test_filling_takes_joints_and_frames(take):
         numpy_cae.fill(motion, frames=(3, 120))
 
 
+def test_filling_nothing_says_what_to_name(take):
+    with pytest.raises(ValueError, match="say what is missing: joints, frames or both"):
+        numpy_cae.fill(numpy_cae.load(take))
+
+
+def test_one_joint_needs_no_list(take):
+    motion = numpy_cae.load(take)
+    one = numpy_cae.fill(motion, "left_wrist", (20, 40))
+    several = numpy_cae.fill(motion, ["left_wrist"], (20, 40))
+    np.testing.assert_array_equal(one.motion.rotations, several.motion.rotations)
+    assert one.touched.any(axis=0).sum() == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"joints": "left_wirst"}, "joints: .*left_wirst"),
+        ({"joints": []}, "joints is empty, expected names such as"),
+        (
+            {"joints": ["left_wrist", 7]},
+            "joints has a value of type int, expected a string",
+        ),
+        ({"frames": 7}, r"frames is 7, expected \(first, last\), counted from 0"),
+        (
+            {"frames": (3, 4), "manifold": 7},
+            "manifold is of type int, expected a MotionManifold",
+        ),
+    ],
+)
+def test_filling_names_the_argument_that_is_wrong(take, arguments, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        numpy_cae.fill(take, **arguments)
+
+
+def test_a_path_stands_for_the_motion_in_the_file(take, tmp_path):
+    repaired = numpy_cae.repair(take)
+    by_motion = numpy_cae.repair(numpy_cae.load(take))
+    np.testing.assert_array_equal(repaired.motion.rotations, by_motion.motion.rotations)
+    filled = numpy_cae.fill(str(take), "left_wrist", (20, 40))
+    assert filled.touched.any(axis=0).sum() == 1
+    numpy_cae.save(take, tmp_path / "copy.bvh")
+    assert (tmp_path / "copy.bvh").read_bytes() == take.read_bytes()
+    numpy_cae.show(take, tmp_path / "copy.bvh", path=tmp_path / "page.html")
+    assert "<title>take.bvh, copy.bvh" in (tmp_path / "page.html").read_text()
+
+
+@pytest.mark.parametrize("name", ["repair", "fill", "project", "show"])
+def test_what_is_no_motion_is_named(name):
+    with pytest.raises(TypeError, match="is of type int, expected a Motion or the path of"):
+        getattr(numpy_cae, name)(7)
+
+
+def test_a_motion_made_in_memory_says_how_it_is_saved():
+    motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
+    with pytest.raises(ValueError, match=r"fixed.bvh: .*numpy_cae\.save\(motion, path\)"):
+        motion.save("fixed.bvh")
+
+
+def test_projecting_takes_the_starter_or_the_path_of_a_model(take, tmp_path):
+    motion = numpy_cae.load(take)
+    starter = numpy_cae.manifold.starter()
+    starter.save(tmp_path / "model.npz")
+    expected = numpy_cae.project(motion, starter).rotations
+    np.testing.assert_array_equal(numpy_cae.project(motion).rotations, expected)
+    by_path = numpy_cae.project(take, tmp_path / "model.npz")
+    np.testing.assert_array_equal(by_path.rotations, expected)
+
+
+def test_a_sequential_manifold_is_refused_with_what_is_expected(take, tiny_manifolds):
+    message = "manifold is a sequential one, expected a MotionManifold"
+    with pytest.raises(ValueError, match=message):
+        numpy_cae.repair(take, tiny_manifolds[0]["sequence"])
+
+
+def test_findings_are_objects_or_entries_of_the_json_file_or_its_path(take, tmp_path):
+    motion = numpy_cae.load(take)
+    findings = numpy_cae.repair(motion).findings
+    numpy_cae.cleanup.write_findings(tmp_path / "found.json", findings)
+    entries = [finding.to_json() for finding in findings]
+    expected = numpy_cae.repair(motion, findings=findings).motion.rotations
+    for form in (entries, tmp_path / "found.json", str(tmp_path / "found.json"), tuple(findings)):
+        repaired = numpy_cae.repair(motion, findings=form)
+        np.testing.assert_array_equal(repaired.motion.rotations, expected)
+
+
+def test_a_single_entry_marks_a_joint_or_a_limb(take):
+    motion = numpy_cae.load(take)
+    marked = numpy_cae.repair(motion, findings={"limb": "left_arm", "frames": [58, 68]})
+    assert {finding.joint for finding in marked.findings} == {"left_elbow", "left_wrist"}
+
+
+@pytest.mark.parametrize(
+    ("findings", "message"),
+    [
+        ([{"joint": "left_wirst"}], "findings, entry 1: .*left_wirst"),
+        ([7], "findings, entry 1: expected one such as in"),
+        (7, "findings is of type int, expected Finding objects, a list such as"),
+        ("no.json", "no.json"),
+    ],
+)
+def test_findings_that_do_not_fit_are_named(take, findings, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        numpy_cae.repair(take, findings=findings)
+
+
+def test_findings_are_shown_from_the_json_file(take, tmp_path):
+    repaired = numpy_cae.repair(take)
+    numpy_cae.cleanup.write_findings(tmp_path / "found.json", repaired.findings)
+    page = tmp_path / "page.html"
+    numpy_cae.show(take, repaired.motion, findings=tmp_path / "found.json", path=page)
+    assert "<title>before, after" in page.read_text() and '"kind": "' in page.read_text()
+
+
+def test_showing_nothing_or_findings_of_one_motion_says_what_is_expected(take):
+    with pytest.raises(ValueError, match="motions: there is none to show, expected at least one"):
+        numpy_cae.show()
+    with pytest.raises(ValueError, match="the number of motions is 1, expected two"):
+        numpy_cae.show(take, findings={"joint": "left_wrist"}, path="page.html")
+    with pytest.raises(ValueError, match="there are 2 labels for 1 motions"):
+        numpy_cae.show(take, labels=["a", "b"], path="page.html")
+
+
 def test_a_manifold_is_learned_saved_and_projects_motions(take, tmp_path, monkeypatch):
     from numpy_cae.training import RECIPES, Schedule, Stage
 
@@ -119,9 +241,57 @@ def test_a_manifold_is_learned_saved_and_projects_motions(take, tmp_path, monkey
         numpy_cae.learn(take.parent, "slow")
 
 
+def test_learning_takes_the_options_of_the_command_by_name(take, tmp_path, run):
+    takes = tmp_path / "takes"
+    takes.mkdir()
+    for name in ("one.bvh", "other_5.bvh"):
+        (takes / name).write_bytes(take.read_bytes())
+    sizes = {"epochs": 1, "batch": 2, "window": 32, "rate": 0.001, "seed": 3}
+    manifold = numpy_cae.learn(
+        takes, "fast", test="*_5.bvh", engine="ops", quiet=True, filters=(4, 6), **sizes
+    )
+    options = [word for name, value in sizes.items() for word in (f"--{name}", value)]
+    model = tmp_path / "model.npz"
+    run(
+        *("train", takes, "-o", model, "--recipe", "fast", "--test", "*_5.bvh"),
+        *("--engine", "ops", "--quiet", "--filters", 4, 6, *options),
+    )
+    by_command = load_manifold(model)
+    for layer, expected in zip(manifold.network.layers, by_command.network.layers, strict=True):
+        np.testing.assert_array_equal(layer.w, expected.w)
+    assert manifold.settings["losses"] == by_command.settings["losses"]
+    assert manifold.settings["test"] == ["*_5.bvh"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"epochs": 0}, "epochs is 0, expected a whole number of at least 1"),
+        ({"batch": 1.5}, "batch is 1.5, expected a whole number of at least 1"),
+        ({"rate": -1}, "rate is -1, expected a finite number of 0 or more"),
+        ({"filters": (4, 0)}, "filters is 0, expected a whole number of at least 1"),
+        ({"window": 30}, "window is 30, expected a multiple of 8"),
+        ({"test": "*.amc"}, r"no file that was read matches '\*.amc', none is left to test on"),
+        ({"engine": "gpu"}, "engine"),
+        ({"seed": -1}, "seed is -1, expected a whole number of at least 0"),
+    ],
+)
+def test_learning_names_the_argument_that_is_wrong(take, arguments, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        numpy_cae.learn(take.parent, quiet=True, **arguments)
+
+
+def test_learning_needs_a_folder(tmp_path):
+    with pytest.raises(TypeError, match="folders has a value of type int, expected a path"):
+        numpy_cae.learn(7)
+    with pytest.raises(ValueError, match="there is no such folder"):
+        numpy_cae.learn([tmp_path / "none"])
+
+
 def test_motions_show_themselves_in_a_notebook(take, monkeypatch):
     shell = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell()
-    monkeypatch.setattr("numpy_cae.ipython.shell", lambda: shell)
+    monkeypatch.setattr(notebook, "running_shell", lambda: shell)
+    monkeypatch.setattr("numpy_cae.public.running_shell", lambda: shell)
     notebook.register()
     motion = numpy_cae.load(take)
     repaired = numpy_cae.repair(motion)

@@ -36,7 +36,7 @@ GROUPS = {
     "networks": "train download interpolate compare sample",
     "lessons and checks": "lessons verify",
 }
-SUBCOMMANDS = {name: _first_sentence(name) for names in GROUPS.values() for name in names.split()}
+SUBCOMMANDS = {name: _first_sentence(name) for name in " ".join(GROUPS.values()).split()}
 """Each subcommand, which is the module of that name, with its help in one sentence."""
 
 
@@ -54,7 +54,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     # The commands print the reader's notes themselves.
     logging.getLogger("numpy_cae.mocap.load").setLevel(logging.ERROR)
     name = _parser().parse_args(argv[:1]).command
-    said = f"numpy-cae {name}"
     try:
         args = subcommand_parser(name).parse_args(argv[1:])  # imports for a second
         status = args.run(args)
@@ -64,12 +63,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
-        what = "not enough memory. " * isinstance(error, MemoryError)
-        print(f"{said}: {what}{error}", file=sys.stderr)
+        problem = f"not enough memory. {error}" if isinstance(error, MemoryError) else str(error)
+        print(f"numpy-cae {name}: {problem}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as interrupt:
         advice = str(interrupt) or "nothing more was written"
-        print(f"{said}: interrupted; {advice}", file=sys.stderr)
+        print(f"numpy-cae {name}: interrupted; {advice}", file=sys.stderr)
         return 130
 
 

@@ -20,16 +20,16 @@ from numpy_cae.errors import NumpyCaeError
 
 SITE = "http://mocap.cs.cmu.edu"
 CHECKSUMS = "checksums.txt"
-KNOWN = re.compile(r"(\d{2,3})/\1(\.asf|_\d{2,3}\.amc)")
-"""KNOWN: names of files in the folder; no other file is written."""
+FILE_NAMES = re.compile(r"(\d{2,3})/\1(\.asf|_\d{2,3}\.amc)")
+"""Names of files in the folder; no other file is written."""
 PAUSE = 0.2
-"""PAUSE: seconds before each request; the site asks not to be crawled."""
+"""Seconds before each request; the site asks not to be crawled."""
 PATIENCE = 60.0
-"""PATIENCE: a download ends with an error if nothing arrives for this time (s)."""
+"""A download ends with an error if nothing arrives for this time (s)."""
 MOST_BYTES = 100_000_000
-"""MOST_BYTES: or if a file or a page has more bytes than this."""
+"""A download ends with an error if a file or a page has more bytes than this."""
 MOST_SECONDS = 1000.0
-"""MOST_SECONDS: or if it takes longer (s): the largest file at 100 kB a second."""
+"""A download ends with an error if it takes longer (s): the largest file at 100 kB a second."""
 PART_BYTES = 2**20
 TERMS = """\
 mocap.cs.cmu.edu says: "This data is free for use in research projects. You may include this data
@@ -89,30 +89,28 @@ def download_cmu(
     except (OSError, ValueError) as error:
         raise DownloadError(f"{site}: {error}") from None
     finally:
-        known = [f"{name} {each}\n" for name, each in sorted(downloads.registry.items()) if each]
-        if known:
-            (folder / CHECKSUMS).write_text("".join(known), encoding="utf-8")
+        _write_checksums(folder / CHECKSUMS, downloads.registry)
     return [folder / name for name in downloads.urls]
 
 
 def _download(url: str, output: str, registry: object) -> None:
     """Download a file; `pooch` calls this. ValueError if it begins as a web page does."""
-    received = _received(url)
+    received = _request(url)
     if received[:100].lstrip().startswith(b"<"):
         raise ValueError(f"{url}: is a web page (perhaps of a network to log in to)")
     Path(output).write_bytes(received)
 
 
-def _received(url: str) -> bytes:
+def _request(url: str) -> bytes:
     """What is at an address; OSError or ValueError where it takes too long or is too large."""
     with ThreadPool(1) as threads:  # a thread that still downloads is not waited for
         try:
-            return threads.apply_async(_read, (url,)).get(MOST_SECONDS)
+            return threads.apply_async(_read_answer, (url,)).get(MOST_SECONDS)
         except RanOut:
             raise OSError(f"{url}: not complete after {MOST_SECONDS:g} s") from None
 
 
-def _read(url: str) -> bytes:
+def _read_answer(url: str) -> bytes:
     import requests  # which pooch needs
 
     received = b""
@@ -125,13 +123,20 @@ def _read(url: str) -> bytes:
     return received
 
 
-def _read_checksums(path: Path) -> dict[str, str]:
+def _write_checksums(path: Path, checksums: dict[str, str | None]) -> None:
+    """Write the checksums, unless none is known."""
+    lines = [f"{name} {checksum}\n" for name, checksum in sorted(checksums.items()) if checksum]
+    if lines:
+        path.write_text("".join(lines), encoding="utf-8")
+
+
+def _read_checksums(path: Path) -> dict[str, str | None]:
     """The checksums of known files; ValueError that names a line of another kind."""
-    checksums = {}
+    checksums: dict[str, str | None] = {}
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     for number, line in enumerate(lines, 1):
         name, _, checksum = line.partition(" ")
-        if not KNOWN.fullmatch(name) or not re.fullmatch(r"(sha256:)?[0-9a-f]{64}", checksum):
+        if not FILE_NAMES.fullmatch(name) or not re.fullmatch(r"(sha256:)?[0-9a-f]{64}", checksum):
             expected = "expected a file of the database and its SHA-256"
             raise ValueError(f"{path}:{number}: {line[:60]!r}, {expected}")
         checksums[name] = checksum
@@ -143,7 +148,7 @@ def _addresses(site: str, subjects: Sequence[int]) -> dict[str, str]:
     addresses = {}
     for subject in subjects:
         number = f"{subject:02d}"
-        page = _received(f"{site}/search.php?subjectnumber={subject}").decode("latin-1").lower()
+        page = _request(f"{site}/search.php?subjectnumber={subject}").decode("latin-1").lower()
         takes = sorted(set(re.findall(rf"\b{number}_\d{{2,3}}\.amc", page)))
         if not takes:
             raise ValueError(f"there are no takes of subject {subject}")

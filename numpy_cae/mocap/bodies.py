@@ -2,7 +2,7 @@
 
 import os
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -73,6 +73,24 @@ def read_body(path: Path, **options: Any) -> tuple[np.ndarray, tuple[Note, ...]]
     positions, motion = load_body(path, max_rate=RATE, **options)
     _require_steady(path, positions)
     return positions, motion.notes
+
+
+def split_takes(
+    takes: Iterable[tuple[Path, Take]], patterns: Sequence[str]
+) -> tuple[list[Take], list[Take]]:
+    """The takes to train on, and those to test on, whose file's name matches one of the patterns.
+
+    Raises ValueError if a pattern matches no take, or none is left to train on.
+    """
+    takes = list(takes)
+    for pattern in patterns:
+        if not any(is_test(path, [pattern]) for path, _ in takes):
+            raise ValueError(f"no file that was read matches {pattern!r}, none is left to test on")
+    training = [take for path, take in takes if not is_test(path, patterns)]
+    testing = [take for path, take in takes if is_test(path, patterns)]
+    if not training:
+        raise ValueError(f"every file matches {' '.join(patterns)}, none is left to train on")
+    return training, testing
 
 
 def _require_steady(path: Path, positions: np.ndarray) -> None:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -220,6 +221,15 @@ class Motion:
     def seconds(self) -> float:
         """Duration of the motion."""
         return len(self) / self.rate
+
+    def save(self, path: str | Path) -> None:
+        """Write the motion to a file: a motion that was loaded from one, or made of such a motion,
+        knows how (`numpy_cae.mocap.load.FileMotion`).
+
+        Raises ValueError for a motion that was made in memory.
+        """
+        problem = "the motion comes from no file whose form it could have"
+        raise ValueError(f"{path}: {problem}; write it with numpy_cae.save(motion, path)")
 
     def at(self, frames: np.ndarray | slice) -> Motion:
         """The motion that consists of these frames, in this order."""

@@ -4,7 +4,7 @@ learning rate of a step."""
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, is_dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -159,6 +159,25 @@ def recipe(name: str) -> Schedule:
     if name not in RECIPES:
         raise ValueError(f"there is no recipe {name!r}, expected one of {', '.join(RECIPES)}")
     return RECIPES[name]
+
+
+def change_schedule(
+    schedule: Schedule,
+    epochs: int | None = None,
+    rate: float | None = None,
+    batch: int | None = None,
+) -> Schedule:
+    """The schedule with other numbers, those that are not None.
+
+    The epochs and the batch are those of every stage that is trained; the rate is that of the
+    layers, or of fine tuning where the layers are not trained by themselves.
+    """
+    numbers = {"epochs": epochs, "rate": rate, "batch": batch}
+    changes: dict[str, Any] = {name: n for name, n in numbers.items() if n is not None}
+    if schedule.layer.epochs:
+        schedule = replace(schedule, layer=replace(schedule.layer, **changes))
+        changes.pop("rate", None)
+    return replace(schedule, fine_tuning=replace(schedule.fine_tuning, **changes))
 
 
 WARM_UP = 0.3

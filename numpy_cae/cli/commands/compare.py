@@ -35,17 +35,14 @@ def run(args: argparse.Namespace) -> int:
     name_of = {path: name.as_posix() if is_unique else str(path) for path, name in below.items()}
     names = []
     signatures = []
-    for path, positions in files.bodies(args, list(name_of), strict=len(name_of) == 2):
+    for path, positions in files.read_bodies(args, list(name_of), strict=len(name_of) == 2):
         names.append(visible(name_of[path]))
         features = manifold.features(positions)[0]
         signatures.append(signature(hidden_units(manifold, features)))
     if len(names) < 2:
         raise ValueError(f"{names[0]}: one motion alone, name another to compare it with")
     distances = distance_matrix(signatures)
-    others = np.where(np.eye(len(names), dtype=bool), np.inf, distances)
-    nearest = [names[n] for n in others.argmin(axis=1)]
-    for name, other, distance in zip(names, nearest, others.min(axis=1), strict=True):
-        print(f"{name}: nearest is {other}, G = {distance:.3f}")
+    _print_nearest(names, distances)
     if args.output:
         _write_csv(names, distances, args.output)
         print(f"{args.output}: G of {len(names)} motions")
@@ -54,6 +51,15 @@ def run(args: argparse.Namespace) -> int:
         save_figure(matrix_figure(np.sqrt(distances), names, "√G", title), args.picture)
         print(f"{args.picture}: √G of {len(names)} motions")
     return 0
+
+
+def _print_nearest(names: list[str], distances: np.ndarray) -> None:
+    """Print the motion that is nearest to each, which is not itself."""
+    is_itself = np.eye(len(names), dtype=bool)
+    distances = np.where(is_itself, np.inf, distances)
+    for name, row in zip(names, distances, strict=True):
+        nearest = row.argmin()
+        print(f"{name}: nearest is {names[nearest]}, G = {row[nearest]:.3f}")
 
 
 def _write_csv(names: list[str], distances: np.ndarray, path: Path) -> None:

@@ -17,8 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = f"{parser.epilog}\n{TERMS}"
     add = parser.add_argument
     add("database", choices=["cmu"], help="name of the database")
-    numbers = {"type": _subjects, "required": True, "metavar": "N,N,…"}
-    add("--subjects", **numbers, help="numbers of the subjects to download, 1 to 144")
+    subjects = "numbers of the subjects to download, 1 to 144"
+    add("--subjects", type=_subjects, required=True, metavar="N,N,…", help=subjects)
     add("-o", "--output", **arguments.FOLDER, required=True, help="folder for the files")
     add("--site", default=SITE, metavar="URL", help=f"address of a mirror (default: {SITE})")
     arguments.add_shared(parser, "quiet")

@@ -11,10 +11,15 @@ import argparse
 import json
 from pathlib import Path
 
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cli.shared import arguments
+from numpy_cae.mocap import load_motion
+from numpy_cae.mocap.rigs.rigs import RiggedMotion, rig_by_names
+from numpy_cae.mocap.rigs.suggest import suggest_mapping
+from numpy_cae.motion import JOINTS, Motion, Skeleton
 
 TRUSTED = 15
-"""TRUSTED: if at least this many of the twenty joints have the names of a known rig, the names
+"""If at least this many of the twenty joints have the names of a known rig, the names
 decide and not the hierarchy."""
 
 
@@ -28,48 +33,63 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print how the file is understood, and write the mapping."""
-    from numpy_cae.mocap import load_motion
-    from numpy_cae.mocap.rigs.rigs import rig_by_names
-    from numpy_cae.mocap.rigs.suggest import suggest_mapping
-    from numpy_cae.motion import JOINTS
-
     reading = arguments.reading(args)
     motion = load_motion(args.file, **reading)
     by_names = rig_by_names(motion.skeleton, reading["mapping"])
-    names = {joint: motion.skeleton.names[at] for joint, at in by_names.found.items()}
+    names = {joint: motion.skeleton.names[index] for joint, index in by_names.found.items()}
     if len(motion.rig.found) < len(JOINTS):
-        # If only a few names are those of a known rig, they may mean other joints here.
-        suggested = suggest_mapping(motion.skeleton)
-        first, second = (names, suggested) if len(names) >= TRUSTED else (suggested, names)
-        others = {ours: name for ours, name in second.items() if name not in first.values()}
-        # A name may stand for another joint: LeftToe is the ankle where LeftToeEnd is the toe.
-        mapping = max(others | first, suggested, key=len)
+        mapping = _suggest_names(motion.skeleton, names)
         motion = load_motion(args.file, **reading | {"mapping": mapping})
     rig = motion.rig
-    own = {joint: at for joint, at in rig.found.items() if at not in rig.added}
-    is_known = own == by_names.found and len(names) >= TRUSTED
-    unknown = f"unknown ({by_names.known} has {len(names)} of the 20 joints)"
-    unit, *notes = motion.notes
-    print(
-        f"{args.file}: {motion}\nunit   {unit.text}\nup     {motion.up.upper()}\n"
-        f"floor  {motion.floor:.2f} m\nrig    {by_names.known if is_known else unknown}"
-    )
-    print("".join(f"note   {note.text}\n" for note in notes), end="")
-    for joint in JOINTS:
-        found = joint in rig.found
-        name = motion.skeleton.names[rig.found[joint]] if found else "missing: name one"
-        guessed = joint in own and name != names.get(joint)
-        print(f"  {joint:15} {name}{' (suggested by the hierarchy: check it)' if guessed else ''}")
+    in_file = {joint: index for joint, index in rig.found.items() if index not in rig.added}
+    if in_file == by_names.found and len(names) >= TRUSTED:
+        rig_name = by_names.known
+    else:
+        rig_name = f"unknown ({by_names.known} has {len(names)} of the 20 joints)"
+    _print_file(args.file, motion, rig_name)
+    _print_joints(motion, in_file, names)
     if args.output is not None:
-        _write({joint: motion.skeleton.names[own[joint]] for joint in JOINTS if joint in own}, args)
+        mapping = {j: motion.skeleton.names[in_file[j]] for j in JOINTS if j in in_file}
+        _write_mapping(mapping, args.output)
     return 0
 
 
-def _write(mapping: dict[str, str], args: argparse.Namespace) -> None:
-    """Write a mapping to the file of -o."""
-    from numpy_cae.atomic_write import atomic_write
+def _suggest_names(skeleton: Skeleton, names: dict[str, str]) -> dict[str, str]:
+    """The names of as many joints as possible, by the names that are known and the hierarchy."""
+    suggested = suggest_mapping(skeleton)
+    # If only a few names are those of a known rig, they may mean other joints here.
+    first, second = (names, suggested) if len(names) >= TRUSTED else (suggested, names)
+    # A name may stand for another joint: LeftToe is the ankle where LeftToeEnd is the toe.
+    additional = {joint: name for joint, name in second.items() if name not in first.values()}
+    return max(additional | first, suggested, key=len)
 
-    with atomic_write(args.output) as temporary:
+
+def _print_file(path: Path, motion: Motion, rig_name: str) -> None:
+    """Print what the motion is, and what the reader took for granted."""
+    unit, *notes = motion.notes
+    print(
+        f"{path}: {motion}\nunit   {unit.text}\nup     {motion.up.upper()}\n"
+        f"floor  {motion.floor:.2f} m\nrig    {rig_name}"
+    )
+    for note in notes:
+        print(f"note   {note.text}")
+
+
+def _print_joints(motion: RiggedMotion, in_file: dict[str, int], names: dict[str, str]) -> None:
+    """Print the name of each joint in the rig, and whether the hierarchy suggested it."""
+    for joint in JOINTS:
+        if joint not in motion.rig.found:
+            print(f"  {joint:15} missing: name one")
+            continue
+        name = motion.skeleton.names[motion.rig.found[joint]]
+        if joint in in_file and name != names.get(joint):
+            name += " (suggested by the hierarchy: check it)"
+        print(f"  {joint:15} {name}")
+
+
+def _write_mapping(mapping: dict[str, str], path: Path) -> None:
+    """Write a mapping to a file."""
+    with atomic_write(path) as temporary:
         text = json.dumps(mapping, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
-    print(f"{args.output}: {len(mapping)} joints; pass it with --mapping")
+    print(f"{path}: {len(mapping)} joints; pass it with --mapping")

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     require_bvh(args.output)
-    manifold = files.load_model(args, sequential=True)
+    manifold = files.load_any_model(args)
     rng = np.random.default_rng(args.seed)
     if isinstance(manifold, SequenceManifold):
         if args.data or args.like or args.seconds:
@@ -64,7 +64,7 @@ def _draw(
     """Draw motions from a convolutional model, in the rig of --like if given."""
     prior = None  # uniform
     if args.data:
-        bodies = files.bodies(args, list(files.named_files(args.data)))
+        bodies = files.read_bodies(args, list(files.named_files(args.data)))
         encoded = [manifold.features(positions)[0] for _, positions in bodies]
         prior = NeighbourPrior(encode_windows(manifold, encoded))
     frames = max(1, round((args.seconds or SECONDS) * manifold.rate))
@@ -73,5 +73,7 @@ def _draw(
     if like:
         body = Body(hold_first_pose(like, frames), manifold.lengths)
         return [body.to_rig(features, RootTransform()) for features in drawn]
-    positions = map(features_to_positions, drawn)
-    return [fit_motion(each, manifold.lengths, manifold.rate) for each in positions]
+    return [
+        fit_motion(features_to_positions(features), manifold.lengths, manifold.rate)
+        for features in drawn
+    ]

@@ -16,18 +16,20 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from numpy_cae import training, viz
 from numpy_cae.atomic_write import require_place
 from numpy_cae.cli.shared import arguments
-from numpy_cae.cli.shared.files import bodies, in_halves, usable
+from numpy_cae.cli.shared.files import read_bodies, read_usable, split_for_test
 from numpy_cae.evaluation.tables import NOTE, half_removed, reconstruction
 from numpy_cae.manifold.augmentation import FileDamage, mirror
 from numpy_cae.manifold.learning import HIDDEN, LATENT, learn_manifold, learn_sequences
 from numpy_cae.mocap.load import find_motion_files, is_test, load_angles
 from numpy_cae.motion import ANGLE_RATE, CLIP, LENGTH, RATE
+from numpy_cae.training.schedule import change_schedule
 
 _BEST = training.RECIPES["best"]
 _STARTER = replace(
@@ -98,7 +100,10 @@ def run(args: argparse.Namespace) -> int:
         }
         manifold, source, measure = learn(args, settings)
         manifold.settings["test"] = args.test
-        manifold.save(args.output, **{"half": True} if args.recipe == "starter" else {})
+        if args.recipe == "starter":
+            manifold.save(args.output, half=True)
+        else:
+            manifold.save(args.output)
         checkpoint.path.unlink(missing_ok=True)
     picture = args.output.with_suffix(".png")
     viz.save_figure(viz.losses_figure(manifold.settings["losses"]), picture)
@@ -117,16 +122,19 @@ the test takes and returns them as text."""
 def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the convolutional model from every file in the folders."""
     files = {folder: find_motion_files(folder) for folder in args.folders}
-    paths = [path for group in files.values() for path in group]
-    takes, testing = in_halves(bodies(args, paths), args.test, RATE)
+    paths = list(chain.from_iterable(files.values()))
+    takes, testing = split_for_test(read_bodies(args, paths), args.test, RATE)
     learned = takes
     if args.recipe == "starter":
         learned = [*takes, *(mirror(take) for take in takes)]
-    settings |= {"testing": testing} | given(args, *CONVOLUTIONAL)
+    settings |= {"testing": testing} | chosen_options(args, *CONVOLUTIONAL)
     manifold = learn_manifold(learned, schedule_of(args), **settings)
     manifold.settings["folders"] = [
-        {"name": folder.resolve().name, "files": len(group)}
-        | {"test": sum(is_test(path, args.test) for path in group)}
+        {
+            "name": folder.resolve().name,
+            "files": len(group),
+            "test": sum(is_test(path, args.test) for path in group),
+        }
         for folder, group in files.items()
     ]
     source = f"{manifold.settings['windows']} windows"
@@ -135,11 +143,11 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
     """Learn the sequential model of one action from every file in the folders."""
-    paths = [path for folder in args.folders for path in find_motion_files(folder)]
-    read = usable(paths, partial(load_angles, **arguments.reading(args)))
-    takes, testing = in_halves(read, args.test, ANGLE_RATE)
+    paths = list(chain.from_iterable(find_motion_files(folder) for folder in args.folders))
+    sequences = read_usable(paths, partial(load_angles, **arguments.reading(args)))
+    takes, testing = split_for_test(sequences, args.test, ANGLE_RATE)
     schedule = sequence_schedule_of(args, args.recipe)
-    settings |= given(args, "hidden", "latent", "frames")
+    settings |= chosen_options(args, "hidden", "latent", "frames")
     manifold = learn_sequences(takes, schedule, **settings)
     source = f"clips of {manifold.frames} frames of {len(takes)} motions"
     name = args.folders[0].resolve().name
@@ -171,30 +179,26 @@ def add_options(parser: argparse.ArgumentParser, title: str, options: dict[str, 
         group.add_argument(f"--{name}", type=number, nargs=count, metavar="N", help=text)
 
 
-def given(args: argparse.Namespace, *names: str) -> dict[str, Any]:
-    """Those of the named options that are given, with their values."""
+def chosen_options(args: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Those of the named options that the user has set, with their values."""
     return {name: getattr(args, name) for name in names if getattr(args, name) is not None}
 
 
 def require_options_of_model(args: argparse.Namespace) -> None:
     """Raise ValueError where an option or a recipe of the other model is given."""
-    sequential = args.model == "sequential"
-    for name in given(args, *(CONVOLUTIONAL if sequential else SEQUENTIAL)):
+    is_sequential = args.model == "sequential"
+    excluded = CONVOLUTIONAL if is_sequential else SEQUENTIAL
+    for name in chosen_options(args, *excluded):
         raise ValueError(f"--{name} is not an option of the {args.model} model")
-    if sequential and args.recipe not in training.SEQUENCE_RECIPES:
+    if is_sequential and args.recipe not in training.SEQUENCE_RECIPES:
         raise ValueError(f"--recipe {args.recipe} is for the convolutional model")
 
 
 def schedule_of(args: argparse.Namespace) -> training.Schedule:
     """The recipe with the options that are given."""
-    schedule = RECIPES[args.recipe]
-    changed = given(args, *COMMON)
-    if schedule.layer.epochs:
-        schedule = replace(schedule, layer=replace(schedule.layer, **changed))
-        changed.pop("rate", None)
-    return replace(schedule, fine_tuning=replace(schedule.fine_tuning, **changed))
+    return change_schedule(RECIPES[args.recipe], args.epochs, args.rate, args.batch)
 
 
 def sequence_schedule_of(args: argparse.Namespace, recipe: str) -> training.SequenceSchedule:
     """The schedule of the sequential model that the recipe and the options describe."""
-    return replace(training.SEQUENCE_RECIPES[recipe], **given(args, *COMMON, "steps"))
+    return replace(training.SEQUENCE_RECIPES[recipe], **chosen_options(args, *COMMON, "steps"))

@@ -11,11 +11,17 @@ import numpy as np
 
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note, with_progress
-from numpy_cae.manifold import ModelFileError, SequenceManifold, load_manifold, starter
+from numpy_cae.manifold import (
+    ModelFileError,
+    MotionManifold,
+    SequenceManifold,
+    load_manifold,
+    starter,
+)
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.mocap import require_bvh, write_bvh
-from numpy_cae.mocap.bodies import Problem, read_body, read_each
-from numpy_cae.mocap.load import KEPT, find_motion_files, is_test
+from numpy_cae.mocap.bodies import Problem, read_body, read_each, split_takes
+from numpy_cae.mocap.load import KEPT, find_motion_files
 from numpy_cae.motion import RATE, Motion
 from numpy_cae.viz import Actor, save_viewer
 
@@ -33,18 +39,25 @@ def add_output_arguments(parser: argparse.ArgumentParser) -> None:
     arguments.add_shared(parser, "html")
 
 
-def load_model(args: argparse.Namespace, sequential: bool = False) -> Manifold:
-    """The model that `--model` names, by default the starter model.
+def load_model(args: argparse.Namespace) -> MotionManifold:
+    """The convolutional model that `--model` names, by default the starter model.
 
-    Raises ModelFileError if there is no such file, or if the model is sequential and `sequential`
-    is False.
+    Raises ModelFileError if there is no such file, or if the model is sequential.
     """
-    if args.model and not args.model.exists():
-        raise ModelFileError(f"{args.model}: no such file; leave -m out for the starter model")
-    manifold = load_manifold(args.model) if args.model else starter()
-    if isinstance(manifold, SequenceManifold) and not sequential:
+    manifold = load_any_model(args)
+    if isinstance(manifold, SequenceManifold):
         raise ModelFileError(f"{args.model}: not a convolutional, but a sequential manifold")
     return manifold
+
+
+def load_any_model(args: argparse.Namespace) -> Manifold:
+    """The model that `--model` names, by default the starter model; ModelFileError if there is no
+    such file."""
+    if not args.model:
+        return starter()
+    if not args.model.exists():
+        raise ModelFileError(f"{args.model}: no such file; leave -m out for the starter model")
+    return load_manifold(args.model)
 
 
 def write(motion: Motion, path: Path) -> None:
@@ -64,7 +77,7 @@ def write_page(output: Path, content: str, actors: list[Actor], **shown: Any) ->
 def named_files(paths: Iterable[Path]) -> dict[Path, Path]:
     """The motion files that are named or are in a folder that is named, each with its path below
     that folder."""
-    names = {}
+    names: dict[Path, Path] = {}
     for path in paths:
         below = path if path.is_dir() else path.parent
         sources = find_motion_files(path) if path.is_dir() else [path]
@@ -117,9 +130,9 @@ def require_one_target_each(targets: Mapping[Path, Path]) -> None:
     """Raise ValueError if two sources would be written to one file."""
     sources: dict[Path, Path] = {}
     for source, target in targets.items():
-        other = sources.setdefault(target, source)
-        if other != source:
-            problem = f"{source} and {other} would both be written to {target}"
+        first = sources.setdefault(target, source)
+        if first != source:
+            problem = f"{source} and {first} would both be written to {target}"
             raise ValueError(f"{problem}: give their folder, or write them to different folders")
 
 
@@ -130,9 +143,9 @@ def _require_version(path: Path, source: Path) -> None:
         return
     if path.samefile(source):
         raise ValueError(f"{path}: is the file that is read; --overwrite allows this")
-    own = set(source.read_bytes().splitlines())
+    source_lines = set(source.read_bytes().splitlines())
     lines = path.read_bytes().splitlines()
-    if 2 * sum(line in own for line in lines) <= len(lines):
+    if 2 * sum(line in source_lines for line in lines) <= len(lines):
         problem = f"exists and is no version of {source}; --overwrite replaces it"
         raise ValueError(f"{path}: {problem}")
 
@@ -140,25 +153,25 @@ def _require_version(path: Path, source: Path) -> None:
 Take = TypeVar("Take", bound=Sized)
 
 
-def bodies(
+def read_bodies(
     args: argparse.Namespace, paths: Sequence[Path], strict: bool = False
 ) -> Iterator[tuple[Path, np.ndarray]]:
-    """Each `usable` file as twenty joints at 30 frames a second, (F, 20, 3) in metres; says what is
-    in doubt, and at the end how many files are odd."""
+    """Each file that can be used, as twenty joints at 30 frames a second, (F, 20, 3) in metres;
+    prints what is in doubt, and at the end how many files are odd."""
     changed = 0
     read = partial(read_body, **arguments.reading(args))
-    for path, (positions, notes) in usable(paths, read, strict):
+    for path, (positions, notes) in read_usable(paths, read, strict):
         yield path, positions
         changed += len(notes) > 1
         for doubt in notes:
             if doubt.in_doubt:
                 note(f"{path}: {doubt.text}")
     if changed:
-        what = "were turned, moved to a floor at 0 or are odd in another way"
-        note(f"{changed} files {what}; see `numpy-cae rig FILE`")
+        change = "were turned, moved to a floor at 0 or are odd in another way"
+        note(f"{changed} files {change}; see `numpy-cae rig FILE`")
 
 
-def in_halves(
+def split_for_test(
     takes: Iterable[tuple[Path, Take]], test: Sequence[str], rate: float
 ) -> tuple[list[Take], list[Take]]:
     """The takes to train on, and those to test on, whose file's name matches a pattern in `test`.
@@ -166,21 +179,16 @@ def in_halves(
     Says how many there are; `rate` is their frames a second. Raises ValueError if a pattern matches
     no take, or none is left to train on.
     """
-    takes = list(takes)
-    for pattern in test:
-        if not any(is_test(path, [pattern]) for path, _ in takes):
-            raise ValueError(f"no file that was read matches {pattern!r}, none is left to test on")
-    training = [take for path, take in takes if not is_test(path, test)]
-    testing = [take for path, take in takes if is_test(path, test)]
-    if not training:
-        raise ValueError(f"every file matches {' '.join(test)}, none is left to train on")
+    training, testing = split_takes(takes, test)
     minutes = sum(map(len, training)) / rate / 60
-    few = ", less than 10 is little to learn from" if minutes < 10 else ""
-    note(f"{len(training)} takes to train on ({minutes:.1f} min{few}), {len(testing)} to test on")
+    advice = ", less than 10 is little to learn from" if minutes < 10 else ""
+    note(
+        f"{len(training)} takes to train on ({minutes:.1f} min{advice}), {len(testing)} to test on"
+    )
     return training, testing
 
 
-def usable(
+def read_usable(
     paths: Sequence[Path], read: Callable[[Path], Take], strict: bool = False
 ) -> Iterator[tuple[Path, Take]]:
     """Each file that `read` can read, and what `read` makes of it. A file that cannot be used is an

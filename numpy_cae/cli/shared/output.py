@@ -17,7 +17,7 @@ Item = TypeVar("Item")
 
 
 BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
-"""BOLD, PLAIN: what a terminal takes to print bold, and to end that."""
+"""What a terminal takes to print bold, and to end that."""
 
 
 class VisibleStream:
@@ -34,21 +34,25 @@ class VisibleStream:
         self.is_bold = bool(self.columns) and not is_plain
 
     def write(self, text: str) -> int:
-        encoding = self.stream.encoding or "utf-8"
-        begin = "\r" * text.startswith("\r")  # a line that renews itself is not laid out
-        shown = visible(text.removeprefix("\r")).encode(encoding, "backslashreplace")
-        shown = shown.decode(encoding)
-        if self.columns and not begin:
-            shown = "\n".join(wrapped(line, self.columns) for line in shown.split("\n"))
-        if self.is_bold and not begin:
+        if text.startswith("\r"):  # a line that renews itself is not laid out
+            return self.stream.write("\r" + self._encodable(text.removeprefix("\r")))
+        shown = self._encodable(text)
+        if self.columns:
+            shown = "\n".join(wrap_line(line, self.columns) for line in shown.split("\n"))
+        if self.is_bold:
             shown = re.sub(r"(?m)^([^\s|][^|\n]*?:)(?=\s)", rf"{BOLD}\1{PLAIN}", shown)
-        return self.stream.write(begin + shown)
+        return self.stream.write(shown)
+
+    def _encodable(self, text: str) -> str:
+        """The text with everything visible that shows nothing or that the encoding lacks."""
+        encoding = self.stream.encoding or "utf-8"
+        return visible(text).encode(encoding, "backslashreplace").decode(encoding)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
 
 
-def wrapped(line: str, columns: int) -> str:
+def wrap_line(line: str, columns: int) -> str:
     """A line in lines of at most so many columns, the later ones indented; rows of tables as they
     are."""
     if len(line) <= columns or line.startswith("|"):
@@ -61,7 +65,8 @@ def wrapped(line: str, columns: int) -> str:
 def visible_output() -> Iterator[None]:
     """Make standard output and standard error visible streams in the block."""
     before = sys.stdout, sys.stderr
-    sys.stdout, sys.stderr = map(VisibleStream, before)  # type: ignore[assignment]
+    sys.stdout = VisibleStream(sys.stdout)  # type: ignore[assignment]
+    sys.stderr = VisibleStream(sys.stderr)  # type: ignore[assignment]
     try:
         yield
     finally:
@@ -75,7 +80,8 @@ def note(text: str) -> None:
 
 def with_progress(items: Iterable[Item], count: int, name: str) -> Iterator[Item]:
     """Yield the items; `working` prints the time, with the number and the name of the items."""
-    with working(f"{count} {name}{'s' * (count != 1)}") as is_done:
+    plural = "" if count == 1 else "s"
+    with working(f"{count} {name}{plural}") as is_done:
         for number, item in enumerate(items):
             if number:
                 is_done(number / count)
@@ -101,8 +107,10 @@ def working(on: str) -> Iterator[Callable[[float], None]]:
         wait = 2.0
         while not ended.wait(wait):
             passed = time.monotonic() - begun
-            left = f", about {total - passed:.0f} s to go at this speed" if total > passed else ""
-            note(f"{on}: {passed:.0f} s{left}")
+            message = f"{on}: {passed:.0f} s"
+            if total > passed:
+                message += f", about {total - passed:.0f} s to go at this speed"
+            note(message)
             wait = min(2 * wait, 60.0)
 
     thread = threading.Thread(target=report, daemon=True)
