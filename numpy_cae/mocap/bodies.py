@@ -17,10 +17,10 @@ from numpy_cae.motion import LENGTH, OVERLAP, RATE, Note, cut_windows
 from numpy_cae.motion.features import features_on_mean_skeleton
 
 WORTHWHILE_BYTES = 20e6
-"""WORTHWHILE_BYTES: files of fewer bytes in all are read faster by one process than by several."""
+"""Files of fewer bytes in all are read faster by one process than by several."""
 MAX_STEP_METRES = 30.0
-"""MAX_STEP_METRES: a take in which the hips move further (m) in a 30th of a second, or a joint is
-further from the hips, is refused."""
+"""A take in which the hips move further (m) in a 30th of a second, or a joint is further from the
+hips, is refused."""
 
 
 Problem = MotionFileError | UnknownRigError

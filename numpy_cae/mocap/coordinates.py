@@ -45,12 +45,12 @@ UNITS = {
 """The candidates of a guess, in metres. Feet are not among them: no file uses them."""
 
 TYPICAL_METRES = 1.55
-"""TYPICAL_METRES: the stature (m) to which a guess comes closest, the geometric mean of 1.1 m (a
-child of five) and 2.2 m (nobody is taller)."""
+"""The stature (m) to which a guess comes closest, the geometric mean of 1.1 m (a child of five) and
+2.2 m (nobody is taller)."""
 TIP_TO_TIP_STATURES = 1.3
-"""TIP_TO_TIP_STATURES: the way from a toe to the finger tips along the bones, in statures."""
+"""The way from a toe to the finger tips along the bones, in statures."""
 PLAUSIBLE_METRES = (0.9, 2.4)
-"""PLAUSIBLE_METRES: a guess that gives a stature (m) outside this range is not reliable."""
+"""A guess that gives a stature (m) outside this range is not reliable."""
 
 
 def require_unit(unit: float) -> float:
@@ -115,34 +115,32 @@ AnyMotion = TypeVar("AnyMotion", bound=Motion)
 _ENDS = ("knee", "ankle", "elbow", "wrist")
 _LIMBS = [f"{side}_{end}" for side in ("left", "right") for end in _ENDS]
 LIMBS_SHARE = 0.77
-"""LIMBS_SHARE: a leg from hip to ankle and an arm from shoulder to wrist are together this part of
-a person's stature."""
+"""A leg from hip to ankle and an arm from shoulder to wrist are together this part of a person's
+stature."""
 UPRIGHT_COSINE = 0.8
-"""UPRIGHT_COSINE: an axis is up if the direction from the ankles to the head, a unit vector, has at
-least this component along it in most frames."""
+"""An axis is up if the direction from the ankles to the head, a unit vector, has at least this
+component along it in most frames."""
 TOE_METRES = 0.04
-"""TOE_METRES: height in metres of the lowest of the twenty joints, a toe, of a person who
-stands."""
+"""Height in metres of the lowest of the twenty joints, a toe, of a person who stands."""
 FLOOR_METRES = 0.15
-"""FLOOR_METRES: a floor nearer to 0 than this (m) is not moved, because it cannot be distinguished
-from shoes, a rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12
-to 0.12 (docs/lab_book/axes_and_floor.md)."""
+"""A floor nearer to 0 than this (m) is not moved, because it cannot be distinguished from shoes, a
+rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12 to 0.12
+(docs/lab_book/axes_and_floor.md)."""
 STEADY_METRES = 0.03
-"""STEADY_METRES: a body rests on a floor if the quartiles of its lowest joint's height are closer
-together than this (m)."""
+"""A body rests on a floor if the quartiles of its lowest joint's height are closer together than
+this (m)."""
 NEAR_METRES = 0.10
-"""NEAR_METRES: the body stands or lies on a floor if its lowest joint is nearer to it than this
-(m)."""
+"""The body stands or lies on a floor if its lowest joint is nearer to it than this (m)."""
 AT_ZERO_SHARE = 0.25
-"""AT_ZERO_SHARE: a body that is near 0 for this part of the time has its floor there, whatever is
-below (stairs, a ladder)."""
+"""A body that is near 0 for this part of the time has its floor there, whatever is below (stairs, a
+ladder)."""
 AT_LEVEL_SHARE = 0.1
-"""AT_LEVEL_SHARE: else the floor is the lowest level at which the body is for this part of the
-time."""
+"""Where a body is not near 0 so often, the floor is the lowest level at which it is for this part
+of the time."""
 _POSES = 500
-"""_POSES: the up axis and the floor are detected in about this many poses of a motion."""
+"""The up axis and the floor are detected in about this many poses of a motion."""
 _POSES_OF_BONES = 100
-"""_POSES_OF_BONES: bones are measured in about this many poses of a motion."""
+"""Bones are measured in about this many poses of a motion."""
 
 
 def require_coordinates(unit: float | None, up: str | None, floor: float | None) -> None:

@@ -33,7 +33,7 @@ from numpy_cae.mocap.rigs.rigs import Mappings, RiggedMotion, UnknownRigError
 from numpy_cae.motion import AngleSequence, Motion
 
 KEPT = (".bvh", ".amc")
-"""KEPT: formats in which `FileMotion.save` keeps the text of what did not change."""
+"""In these formats `FileMotion.save` keeps the text of what did not change."""
 
 
 @dataclass(frozen=True, repr=False, kw_only=True, eq=False)

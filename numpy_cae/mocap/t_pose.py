@@ -12,17 +12,17 @@ from numpy_cae.mocap.retargeting.body import body_positions
 from numpy_cae.motion import JOINTS, Motion
 
 LONGEST_SECONDS = 3.0
-"""LONGEST_SECONDS: a T-pose lasts at most this (s)."""
+"""A T-pose lasts at most this (s)."""
 JUMP_RATIO = 4.0
-"""JUMP_RATIO: a T-pose ends with a step, the mean of all joints, of more than this times the
-largest of the ten steps after it."""
+"""A T-pose ends with a step, the mean of all joints, of more than this times the largest of the ten
+steps after it."""
 BLEND_SECONDS = 0.1
-"""BLEND_SECONDS: a T-pose may blend into the motion over this time (s), which counts as a part of
-it: the steps after the largest one are then still large."""
+"""A T-pose may blend into the motion over this time (s), which counts as a part of it: the steps
+after the largest one are then still large."""
 ARM_DEGREES = 25.0
-"""ARM_DEGREES: an arm is held out if it is within this angle of the line of the shoulders (°)."""
+"""An arm is held out if it is within this angle of the line of the shoulders (°)."""
 UNCHANGED = 1e-6
-"""UNCHANGED: a step (m) or a rotation (in quaternions) of no more than this is rounding."""
+"""A step (m) or a rotation (in quaternions) of no more than this is rounding."""
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ ANGLE_RATE = 25.0
 """Frames a second, MBR17's rate for Human3.6M: half of its fifty."""
 _PERIOD = 2 * np.pi
 _SHORT = 1e-9
-"""_SHORT: a vector shorter than this has no meaningful direction."""
+"""A vector shorter than this has no meaningful direction."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -237,11 +237,11 @@ def rotate_on_floor(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
 
 _LEGS = [JOINTS.index(f"{side}_{joint}") for side in SIDES for joint in ("knee", "ankle")]
 _NO_LENGTH = 1e-6
-"""_NO_LENGTH: a bone shorter than this (m) has no direction. In the CMU BVH files both collars are
-exactly at the chest."""
+"""A bone shorter than this (m) has no direction. In the CMU BVH files both collars are exactly at
+the chest."""
 LEGS = (0.05, 20.0)
-"""LEGS: a person's two legs together, thighs and shins, are between these lengths (m); an adult's
-are about 1.7."""
+"""A person's two legs together, thighs and shins, are between these lengths (m); an adult's are
+about 1.7."""
 
 
 def bone_lengths(positions: np.ndarray) -> np.ndarray:

@@ -20,24 +20,23 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy_cae.motion.motion import Motion
 
 CUT_OFFS_HERTZ = np.array([1, 1.5, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 9, 11, 14])
-"""CUT_OFFS_HERTZ: these cut-off frequencies (Hz) are tried; the highest is just below half of 30
-frames a second."""
+"""These cut-off frequencies (Hz) are tried; the highest is just below half of 30 frames a
+second."""
 HIGHEST_SHARE = 0.48
-"""HIGHEST_SHARE: a cut-off is at most this share of the rate; at half of it the filter has no
-effect."""
+"""A cut-off is at most this share of the rate; at half of it the filter has no effect."""
 NOISE_HERTZ = 9.0
-"""NOISE_HERTZ: the residual of this cut-off (Hz) is taken for noise."""
+"""The residual of this cut-off (Hz) is taken for noise."""
 LEAST_RATE = 12.0
-"""LEAST_RATE: at fewer frames a second noise and motion look alike."""
+"""At fewer frames a second noise and motion look alike."""
 COLOURED = 2.0
-"""COLOURED: k of the equation."""
+"""The factor k of the module's equation, for the noise of video."""
 RESPONSE = np.linspace(0.0, 0.4999, 1000)
-"""RESPONSE: gains are averaged over these frequencies, in cycles a frame: h_0 is the mean gain."""
+"""Gains are averaged over these frequencies, in cycles a frame: h_0 is the mean gain."""
 LEAST_FRAMES = 30
-"""LEAST_FRAMES: a motion of fewer frames is not filtered."""
+"""A motion of fewer frames is not filtered."""
 STRONG_SECONDS, STRONG_HERTZ = 0.17, 5.0
-"""STRONG_SECONDS, STRONG_HERTZ: the strong filter is a median over this time (s) and a Butterworth
-filter of this cut-off (Hz)."""
+"""The strong filter is a median over this time (s) and a Butterworth filter of this cut-off
+(Hz)."""
 
 
 def filter_motion(motion: Motion, smooth: Callable[[np.ndarray], np.ndarray]) -> Motion:

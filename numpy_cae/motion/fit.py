@@ -23,7 +23,7 @@ from numpy_cae.motion.motion import Motion, Note, Skeleton
 from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, nearest, product, rotate
 
 ROUNDING = 1e-9
-"""ROUNDING: a difference below this, in radians or in metres at a bone's end, changes nothing."""
+"""A difference below this, in radians or in metres at a bone's end, changes nothing."""
 _TAU = 1e-7
 """τ of `fit_fan`. It is so small that only rotations that the bones do not determine stay near the
 T-pose."""

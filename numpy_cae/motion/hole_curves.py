@@ -29,10 +29,10 @@ from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
 
 EASE_SECONDS = 2 / 3
-"""EASE_SECONDS: T of the module's equation (s) for the curve "eased", chosen among 0.13 to 0.8 s
+"""T of the module's equation (s) for the curve "eased", chosen among 0.13 to 0.8 s
 (docs/lab_book/filling.md)."""
 BRIEF_SECONDS = 0.1
-"""BRIEF_SECONDS: T (s) for other curves: their speed does not jump, and little else changes."""
+"""T (s) for other curves: their speed does not jump, and little else changes."""
 Curve = Callable[..., np.ndarray]
 """A curve through keys: their times (K,) in seconds, ascending, their values (K, N, C), and the
 times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant. With
@@ -124,7 +124,7 @@ CURVES: dict[str, Curve] = {
     "cubic": cubic,
     "slerp": with_speeds(slerp, BRIEF_SECONDS),
 }
-"""CURVES: the curves of `fill` and `repair`; the speed jumps in none of them."""
+"""The curves of `fill` and `repair` by name; the speed jumps in none of them."""
 
 
 def mean_curve(weights: np.ndarray) -> Curve:
@@ -138,7 +138,7 @@ def mean_curve(weights: np.ndarray) -> Curve:
 
 
 EVERY = slice(None)
-"""EVERY: all frames."""
+"""All frames."""
 CurveAt = Callable[[int, int], Curve]
 """CurveAt: from a column and the first frame of a hole in it to the curve over this hole."""
 
@@ -236,7 +236,7 @@ def _holes(missing: np.ndarray, rate: float) -> Iterator[_Hole]:
 
 
 SHORT_SECONDS = 0.25
-"""SHORT_SECONDS: a damaged stretch of at most this duration (s) is interpolated with its spikes."""
+"""A damaged stretch of at most this duration (s) is interpolated with its spikes."""
 
 
 def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:

@@ -23,9 +23,10 @@ PARENTS: tuple[int, ...] = tuple(
 )
 """For each of `JOINTS` the index of its parent, -1 for the hips."""
 REST_DIRECTIONS: np.ndarray = np.array([row[1] for row in _BODY.values()])
-"""REST_DIRECTIONS: of the bone that ends at each joint, in a T-pose that faces +Z, Y up."""
+"""The direction of the bone that ends at each joint, in a T-pose that faces +Z, Y up."""
 REST_TIPS = {joint: np.array(row[2]) for joint, row in enumerate(_BODY.values()) if row[2:]}
-"""REST_TIPS: index of a joint at which no other begins -> the tip of its bone in metres."""
+"""For the index of each joint at which no other begins, the tip of its bone in metres from the
+joint."""
 
 SIDES = ("left", "right")
 LIMBS: dict[str, tuple[str, ...]] = {

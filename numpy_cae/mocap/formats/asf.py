@@ -26,11 +26,11 @@ from numpy_cae.motion.motion import Skeleton, depth_first
 from numpy_cae.motion.quaternions import from_angles
 
 _COMMENT = re.compile(r"(?<!\.)#.*")
-"""_COMMENT: 1.#QNAN is none."""
+"""A comment begins with #; the # of 1.#QNAN begins none."""
 MAX_BYTES = 1_000_000
-"""MAX_BYTES: a longer .asf file is refused; those of CMU have 6,000 bytes."""
+"""A longer .asf file is refused; those of CMU have 6,000 bytes."""
 ANGLE_UNITS = {"deg": np.radians(1.0), "degrees": np.radians(1.0), "rad": 1.0, "radians": 1.0}
-"""ANGLE_UNITS: radians in one unit of the angles of a file, by the name of the unit."""
+"""Radians in one unit of the angles of a file, by the name of the unit."""
 _SEPARATORS = str.maketrans(",()", "   ")
 _CUT_OFF = (
     "expected :bonedata with the end of each bone and :hierarchy: is the file cut off, or no .asf "

@@ -12,7 +12,7 @@ import numpy as np
 from numpy_cae.motion import quaternions
 
 _BLOCK = 1024
-"""_BLOCK: the number of frames that are converted at a time, which fit in the processor's cache."""
+"""The number of frames that are converted at a time, which fit in the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)

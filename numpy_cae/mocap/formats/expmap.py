@@ -25,9 +25,9 @@ from numpy_cae.mocap.formats.text_file import MAX_LINE, TextFile
 from numpy_cae.motion import Motion, Note, Skeleton, quaternions
 
 _LAYOUTS = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
-"""_LAYOUTS: (joint, its parent, offset from the parent, optional tip) in the order of the text. The
-tip is an offset from the joint; if a row has one, the text holds three zeros for it after the
-joint's own numbers."""
+"""For each layout its rows in the order of the text: joint, its parent, offset from the parent,
+optional tip. The tip is an offset from the joint; if a row has one, the text holds three zeros for
+it after the joint's own numbers."""
 
 
 class ExpmapRig:
@@ -54,9 +54,9 @@ HUMAN36M = ExpmapRig("Human3.6M", 0.001, rate=50.0)
 EXPMAP_RIGS = (CMU, HUMAN36M)
 
 _MIN_COMMAS = 40
-"""_MIN_COMMAS: a line with more commas is taken for a row of numbers, not for a sentence."""
+"""A line with more commas is taken for a row of numbers, not for a sentence."""
 _CUT = 1.5
-"""_CUT: a larger step (radians) between two frames is a cut, as after the T-pose."""
+"""A larger step (radians) between two frames is a cut, as after the T-pose."""
 
 
 def read_expmap(path: str | Path, unit: float | None = None) -> Motion:

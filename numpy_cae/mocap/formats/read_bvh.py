@@ -35,18 +35,17 @@ from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quoted, whol
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
 SLOWEST_RATE, FASTEST_RATE = 8.0, 2000.0
-"""SLOWEST_RATE, FASTEST_RATE: no recorder of motion has a rate (frames a second) below or above
-these."""
+"""No recorder of motion has a rate (frames a second) below or above these."""
 CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
 CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
-"""CHANNELS: usual spelling of each channel -> its name in `Channels`. Files differ in case."""
+"""For the usual spelling of each channel its name in `Channels`. Files differ in case."""
 _LOWER_CASE = {name.lower(): short for name, short in CHANNELS.items()}
 _KEYWORDS = {"HIERARCHY", "ROOT", "JOINT", "OFFSET", "CHANNELS", "End Site", "MOTION", "{", "}"}
 _BRACKETS = str.maketrans("[]()", "    ")
 _COMMA = str.maketrans(",", " ")
-"""_BRACKETS, _COMMA: what scripts write around and between the numbers of a vector."""
+"""Scripts write these characters around and between the numbers of a vector."""
 _SKIPPABLE = re.compile(r"[^-+.\d{}][^{}]*")
-"""_SKIPPABLE: a line that may be skipped has no brace and is no row of numbers."""
+"""A line that may be skipped has no brace and is no row of numbers."""
 
 
 @dataclass

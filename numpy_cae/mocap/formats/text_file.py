@@ -16,18 +16,18 @@ from numpy_cae.errors import FileError
 from numpy_cae.motion.motion import RATE, Note
 
 MAX_VALUE = 1e12
-"""MAX_VALUE: a number of this size or more is refused. No length or angle of a motion is as large,
-and sums and products of smaller numbers are finite."""
+"""A number of this size or more is refused. No length or angle of a motion is as large, and sums
+and products of smaller numbers are finite."""
 HEADER_SIZE = 1 << 22
-"""HEADER_SIZE: the first bytes of a file, this many, contain its whole header."""
+"""So many bytes at the start of a file contain its whole header."""
 MAX_BYTES = 1 << 30
-"""MAX_BYTES: a longer file is refused."""
+"""A longer file is refused."""
 MAX_LINE = 1_000_000
-"""MAX_LINE: a line of more characters is refused; a file is decoded in blocks of this size."""
+"""A line of more characters is refused; a file is decoded in blocks of this size."""
 _LOST = re.compile(r"[-+]?(nan\(.*\)|inf(inity)?|1\.#(qnan|snan|ind|inf)\d*)", re.IGNORECASE)
-"""_LOST: what programs write, besides "nan", for a value that is lost or was divided by zero."""
+"""Besides "nan", programs write these words for a value that is lost or was divided by zero."""
 MAX_JOINTS = 5_000
-"""MAX_JOINTS: a skeleton with more joints is refused."""
+"""A skeleton with more joints is refused."""
 
 
 class MotionFileError(FileError):

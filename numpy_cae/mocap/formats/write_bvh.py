@@ -21,14 +21,14 @@ from numpy_cae.motion.quaternions import continuous_angles, nearest_angles
 
 POSITIONS = ["Xposition", "Yposition", "Zposition"]
 ROTATIONS = ["Zrotation", "Xrotation", "Yrotation"]
-"""ROTATIONS: R = R_z · R_x · R_y, as in most files. The angles are not unique at the poles of this
-order, where the middle angle is ±90°, but their rotation still is. A trunk seldom bends that far
-about X, and a full turn about Y meets no pole."""
+"""R = R_z · R_x · R_y, as in most files. The angles are not unique at the poles of this order,
+where the middle angle is ±90°, but their rotation still is. A trunk seldom bends that far about X,
+and a full turn about Y meets no pole."""
 RESOLUTION = 1e-7
-"""RESOLUTION: positions in the file are rounded to this (m). A joint that is never further from
-its offset has no position channels."""
+"""Positions in the file are rounded to this (m). A joint that is never further from its offset has
+no position channels."""
 ANGLE_FORMAT = "%.6f"
-"""ANGLE_FORMAT: an error of 1e-6 degrees moves the end of a chain of 2 m by 4e-8 m."""
+"""Degrees have six decimals: an error of 1e-6 degrees moves the end of a chain of 2 m by 4e-8 m."""
 
 
 def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> None:

@@ -27,13 +27,13 @@ from numpy_cae.motion.quaternions import angle, inverse, product
 log = logging.getLogger(__name__)
 
 _BLOCK = 4096
-"""_BLOCK: the number of frames that are processed at a time."""
+"""The number of frames that are processed at a time."""
 _NOTICEABLE = 0.5
-"""_NOTICEABLE: a rotation or place that channels change by more than this (°, cm) is reported."""
+"""A rotation or place that channels change by more than this (°, cm) is reported."""
 _FRAMES = re.compile(r"(Frames:\s*)\d+", re.IGNORECASE)
-"""_FRAMES: the number of frames in the header of a BVH file."""
+"""The number of frames in the header of a BVH file."""
 _GAPS = re.compile(r"(\s+|(?<!\.)#[^\r\n]*)")
-"""_GAPS: white space and comments, which separate words; 1.#QNAN is a word."""
+"""White space and comments, which separate words; 1.#QNAN is a word."""
 
 
 def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:

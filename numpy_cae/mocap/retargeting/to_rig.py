@@ -34,15 +34,14 @@ from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import IDENTITY, angle, inverse, product, rotate
 
 _MOVED = 1e-6
-"""_MOVED: if the hips or an ancestor are further than this from their offset (m), their position
-channels move the whole body."""
+"""If the hips or an ancestor are further than this from their offset (m), their position channels
+move the whole body."""
 
 _FLEXIBLE_WEIGHT = 0.3
-"""_FLEXIBLE_WEIGHT: weight in the fit of a bone with intermediate joints, as these can correct the
-rest."""
+"""Weight in the fit of a bone with intermediate joints, as these can correct the rest."""
 
 _TAU = 0.03
-"""_TAU: τ of `fit_fan`. Both collars of CMU's rig begin at one point, so all bones of its chest are
+"""τ of `fit_fan`. Both collars of CMU's rig begin at one point, so all bones of its chest are
 nearly on one line. About this line an error of a centimetre would rotate the chest by a right
 angle. A larger τ suppresses requested rotations (docs/lab_book/retargeting.md)."""
 

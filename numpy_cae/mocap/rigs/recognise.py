@@ -27,11 +27,11 @@ from numpy_cae.motion.fit import unit_vectors
 from numpy_cae.motion.quaternions import IDENTITY, inverse, rotate
 
 _POSES = 100
-"""_POSES: about this many poses of a motion are looked at."""
+"""About this many poses of a motion are looked at."""
 _LISTED = 12
-"""_LISTED: a message lists at most this many names of joints, as some rigs have hundreds."""
+"""A message lists at most this many names of joints, as some rigs have hundreds."""
 _FEW = 4
-"""_FEW: a note lists the joints that the hierarchy gave if they are fewer than this."""
+"""A note lists the joints that the hierarchy gave if they are fewer than this."""
 
 
 def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
@@ -206,11 +206,11 @@ def joint_index(name: str, motion: Motion) -> int:
 
 
 UNEQUAL_RATIO = 1.5
-"""UNEQUAL_RATIO: the bones of a left and a right limb differ by at most this factor. A program that
-estimates a pose from one video frame gives them different lengths."""
+"""The bones of a left and a right limb differ by at most this factor. A program that estimates a
+pose from one video frame gives them different lengths."""
 LEG_COSINE = 0.5
-"""LEG_COSINE: where a person stands, the direction from the hips to the ankles and that from the
-chest to the hips have at least this cosine."""
+"""Where a person stands, the direction from the hips to the ankles and that from the chest to the
+hips have at least this cosine."""
 RATIOS = {
     "thigh to shin": ("knee", "ankle", 0.6, 1.7),
     "upper arm to forearm": ("elbow", "wrist", 0.6, 2.2),
@@ -218,9 +218,9 @@ RATIOS = {
     "shin to forearm": ("ankle", "wrist", 1.0, 2.8),
     "trunk to thigh": ("trunk", "knee", 0.3, 1.8),
 }
-"""RATIOS: the smallest and largest ratio of the lengths of two bones, which are named by the joints
-where they end; the trunk ends at the chest and begins at the hips. In the files of five sources
-the ratios are 0.9 to 1.3, 1.0 to 1.7, 1.4 to 1.7, 1.5 to 2.1 and 0.5 to 0.8."""
+"""The smallest and largest ratio of the lengths of two bones, which are named by the joints where
+they end; the trunk ends at the chest and begins at the hips. In the files of five sources the
+ratios are 0.9 to 1.3, 1.0 to 1.7, 1.4 to 1.7, 1.5 to 2.1 and 0.5 to 0.8."""
 
 
 def order_problem(motion: RiggedMotion) -> str:
@@ -315,10 +315,10 @@ shares are those of CMU's rig."""
 
 
 _TOE, _HEAD = 0.33, 0.6
-"""_TOE, _HEAD: the distance from the ankle to an added toe in shins, and from the chest to an added
-head in thighs; in the files of five sources they are 0.23 to 0.5 and 0.45 to 0.75."""
+"""The distance from the ankle to an added toe in shins, and from the chest to an added head in
+thighs; in the files of five sources they are 0.23 to 0.5 and 0.45 to 0.75."""
 _SHORT_SHARE = 0.1
-"""_SHORT_SHARE: an End Site nearer to the ankle than this part of the shin is no toe."""
+"""An End Site nearer to the ankle than this part of the shin is no toe."""
 
 
 def with_added_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMotion:

@@ -65,9 +65,10 @@ Mappings = JointNames | Sequence[JointNames] | None
 
 
 _NUMBER = re.compile(r"_\d{2,}$")
-"""_NUMBER: what converters add to make names unique."""
+"""Converters add such a number to make names unique."""
 _NEARLY_ALL = 0.9
-"""_NEARLY_ALL: this part of a skeleton's names; its root may have no number."""
+"""The names of a skeleton are numbered if at least this part of them is; its root may have no
+number."""
 
 
 class UnknownRigError(NumpyCaeError, ValueError):

@@ -16,25 +16,25 @@ from numpy_cae.motion import JOINTS, Skeleton
 from numpy_cae.motion.joints import SIDES
 
 _MAX_JOINTS = 1000
-"""_MAX_JOINTS: nothing is suggested for a skeleton with more joints."""
+"""Nothing is suggested for a skeleton with more joints."""
 _MAX_PAIRS = 50
-"""_MAX_PAIRS: only the longest pairs of limbs, this many, are compared."""
+"""At most so many pairs of limbs, the longest, are compared."""
 _TINY_SHARE = 0.1
-"""_TINY_SHARE: a limb is longer than this part of the longest path from the root to a tip."""
+"""A limb is longer than this part of the longest path from the root to a tip."""
 _SAME_SHARE = 0.15
-"""_SAME_SHARE: a left and a right limb differ in length by at most this part of the longer one."""
+"""A left and a right limb differ in length by at most this part of the longer one."""
 _LONG_SHARE = 0.75
-"""_LONG_SHARE: consider the shorter of the two bones at each joint of a limb. At a knee or elbow it
-is at least this part of the longest of these."""
+"""Consider the shorter of the two bones at each joint of a limb. At a knee or elbow it is at least
+this part of the longest of these."""
 _HEAD_SHARE = 0.06
-"""_HEAD_SHARE: the head joint is below the top of the head by at least this part of the longest
-path from the root to a tip."""
+"""The head joint is below the top of the head by at least this part of the longest path from the
+root to a tip."""
 _NOT_A_JOINT = re.compile(r"twist|roll|[._]0\d\d$", re.IGNORECASE)
-"""_NOT_A_JOINT: names of joints that divide one bone."""
+"""Names of joints that divide one bone."""
 
 _LEG = ("", "hip", "knee", "ankle", "toe")
 _ARM = ("collar", "shoulder", "elbow", "wrist", "")
-"""_LEG, _ARM: our names of the joints that `_limb` returns."""
+"""Our names of the joints that `_limb` returns."""
 _Pair = tuple[int, int, int]
 """The joint that carries a pair of limbs, and the first joint of each."""
 
