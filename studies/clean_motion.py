@@ -24,7 +24,7 @@ from numpy_cae.cleanup.interpolated import missing_joints
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.motion import Motion
-from numpy_cae.motion.masks import with_margin
+from numpy_cae.motion.masks import widen_runs
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased
 from studies.shared.result import Result, Table
 
@@ -116,7 +116,7 @@ def judge_findings(
     damaged, mask = DAMAGES[kind](take, rng)
     if kind in EASED:
         damaged = eased(take, damaged, mask, int(rng.choice(ONSETS)))
-    near = with_margin(mask, round(NEAR * take.rate))
+    near = widen_runs(mask, round(NEAR * take.rate))
     repaired = repair_motion(damaged, manifold)
     verdicts = []
     for finding in (*repaired.findings, *repaired.proposed):

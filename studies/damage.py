@@ -27,7 +27,7 @@ from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
-from numpy_cae.motion.filters import filter_motion, strongly_filtered
+from numpy_cae.motion.filters import filter_motion, filter_strongly
 from numpy_cae.motion.hole_curves import ROTATION_CURVES, Curve
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
@@ -93,7 +93,7 @@ FILTERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     # Of second order, applied forwards and backwards, so that it does not delay.
     "Butterworth, 3 Hz": lambda x, rate: sosfiltfilt(butter(2, 3, fs=rate, output="sos"), x, 0),
     "median, 0.2 s": lambda x, rate: median_filter(x, (_window(0.2, rate), 1), mode="nearest"),
-    "median, 0.17 s, then Butterworth, 5 Hz": strongly_filtered,
+    "median, 0.17 s, then Butterworth, 5 Hz": filter_strongly,
 }
 """Name to a function of curves (F, C) and their frames a second."""
 

@@ -24,8 +24,8 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions, find_motion_files, load_motion
 from numpy_cae.motion import Motion
 from numpy_cae.motion.contacts import foot_sliding
-from numpy_cae.motion.filters import filter_motion, strongly_filtered
-from numpy_cae.motion.masks import with_margin
+from numpy_cae.motion.filters import filter_motion, filter_strongly
+from numpy_cae.motion.masks import widen_runs
 from studies.shared.result import Claim, Result, Table
 
 BEFORE = "as it is"
@@ -57,7 +57,7 @@ class MeasuredFile:
         self.name = name
         preset = fitting_preset(motion)
         self.proposed = f"--from {preset}" if preset else REPAIR
-        filtered = filter_motion(motion, lambda curve: strongly_filtered(curve, motion.rate))
+        filtered = filter_motion(motion, lambda curve: filter_strongly(curve, motion.rate))
         self.measures = {
             BEFORE: measures_of(motion, motion),
             FILTER: measures_of(motion, filtered),
@@ -94,7 +94,7 @@ def remark_on(repaired: Repaired) -> str:
 def measures_of(before: Motion, after: Motion) -> Measures:
     """The measures of a motion `after` a repair, which may have cut off its start."""
     before = before.at(slice(len(before) - len(after), None))
-    near = with_margin(jump_levels(before) > 0, round(NEAR * before.rate))
+    near = widen_runs(jump_levels(before) > 0, round(NEAR * before.rate))
     jumps = jump_levels(after) > 0
     positions = body_positions(after)
     lengths = np.linalg.norm(after.translations[:, 1:], axis=-1)

@@ -30,7 +30,7 @@ from numpy_cae.cleanup.interpolated import TRANSLATION_KINDS, interpolate_channe
 from numpy_cae.cleanup.spikes import carried, longest_spike
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.contacts import floor_height
-from numpy_cae.motion.hole_curves import rejoined
+from numpy_cae.motion.hole_curves import join_rotations
 from numpy_cae.motion.quaternions import angle, inverse, product
 
 JUMP_TO_NEIGHBOURS_RATIO = 3.0
@@ -277,8 +277,8 @@ def _undone(curve: Curve, frames: slice) -> np.ndarray:
     if curve.is_rotation:
         has_ends = 0 < first and end < len(x)
         if has_ends and np.argmin(_remaining(curve, Segment(first, end, 0.0))) == 1:
-            return inverse(rejoined(inverse(x), first, end))
-        return rejoined(x, first, end)
+            return inverse(join_rotations(inverse(x), first, end))
+        return join_rotations(x, first, end)
     corrections = []
     if first:
         corrections.append(2 * x[first - 1] - x[max(first - 2, 0)] - inside[0])

@@ -4,8 +4,8 @@ A foot stands while its toe is low and slow. The place where it stands is the me
 that time, at the height at which toes stand in this motion. The displacement from the toe to that
 place fades out before and after (`EASE_SECONDS`). The root takes the mean displacement of both
 feet, filtered (`PATH_HERTZ`), so that the legs change little; each leg takes the rest by its own
-two bones, which keep their lengths (`motion.fit.bent`). All metres are those of a body of usual
-size (`curves.usual_body`).
+two bones, which keep their lengths (`motion.fit.bend_limb`). All metres are those of a body of
+usual size (`curves.usual_body`).
 
 The knee of a leg that becomes straight within a frame pops. So a leg approaches its full length L
 only exponentially (soft inverse kinematics: A. Nicholas, softimageblog.com/archives/108). With d_0
@@ -36,8 +36,8 @@ from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.filters import butterworth, median_of
-from numpy_cae.motion.fit import bent
-from numpy_cae.motion.masks import runs, with_margin
+from numpy_cae.motion.fit import bend_limb
+from numpy_cae.motion.masks import runs, widen_runs
 
 TOES = [JOINTS[foot] for foot in FEET]
 LEGS = [list(range(toe - 3, toe + 1)) for toe in FEET]
@@ -198,7 +198,7 @@ def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
         slides_after = sliding(better)
         if jumps_after.sum() > jumps.sum():
             new = (jumps_after & ~jumps)[:, None]
-            jumpy |= with_margin(new, round(JUMPY_SECONDS * motion.rate) + 1)[:, 0]
+            jumpy |= widen_runs(new, round(JUMPY_SECONDS * motion.rate) + 1)[:, 0]
         elif slides_after < slides:
             best = better
             slides = slides_after
@@ -248,7 +248,7 @@ def _standing(motion: Motion, stances: list[Stance]) -> Motion:
         targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
         chain = body[:, [hip, knee, ankle]]
         targets[:, [ankle, toe]] += _softened(chain, targets[:, ankle] - targets[:, hip])[:, None]
-        targets[:, knee] = bent(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
+        targets[:, knee] = bend_limb(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
     changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > RESTING_METRES)
     targets *= body_size(motion)
     # Nothing is damaged there: rotations that jump at an end of these frames are the file's.

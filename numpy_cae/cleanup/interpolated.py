@@ -15,7 +15,7 @@ from numpy_cae.cleanup.finding import BODY, Finding, joint_names, marked
 from numpy_cae.mocap.retargeting.to_rig import bones_through
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, hole_curves
-from numpy_cae.motion.hole_curves import EVERY, CurveAt, eased_everywhere
+from numpy_cae.motion.hole_curves import ALL_FRAMES, CurveAt, eased_everywhere
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import IDENTITY
 
@@ -69,7 +69,7 @@ def interpolate_channels(
     motion: Motion,
     findings: Iterable[Finding],
     curve_at: CurveAt = eased_everywhere,
-    frames: np.ndarray | slice = EVERY,
+    frames: np.ndarray | slice = ALL_FRAMES,
 ) -> Motion:
     """The motion, or some of its frames, with the damaged channels of findings interpolated."""
     return channels_on_curves(motion, *damaged_channels(motion, findings), curve_at, frames)
@@ -135,16 +135,16 @@ def channels_on_curves(
     turned: np.ndarray,
     moved: np.ndarray,
     curve_at: CurveAt = eased_everywhere,
-    frames: np.ndarray | slice = EVERY,
+    frames: np.ndarray | slice = ALL_FRAMES,
 ) -> Motion:
     """The motion, or some of its frames, with rotations and translations of the joints of the rig
     interpolated where two masks (frames, J) say so; `curve_at` is as in `on_curves`."""
     how = motion.rate, of_channels(motion, curve_at), frames
     changed: dict[str, Any] = {}  # an hour of translations takes 0.3 GB: no copy without need
     if turned.any():
-        changed["rotations"] = hole_curves.rotations_over_holes(motion.rotations, turned, *how)
+        changed["rotations"] = hole_curves.interpolate_rotations(motion.rotations, turned, *how)
     if moved.any():
-        changed["translations"] = hole_curves.over_holes(motion.translations, moved, *how)
+        changed["translations"] = hole_curves.interpolate_values(motion.translations, moved, *how)
     return replace(motion.at(frames), **changed)
 
 

@@ -1,7 +1,7 @@
 """Noise: joints that jump from frame to frame, and jitter of the whole motion.
 
 Where a joint jumps, the curves on the way to it that are not smooth are filtered strongly
-(`filters.strongly_filtered`), and the result is blended into the rest on both sides. The filter of
+(`filters.filter_strongly`), and the result is blended into the rest on both sides. The filter of
 the whole motion smears single frames that jump, so these are filtered strongly after it, from the
 values before it.
 """
@@ -19,7 +19,7 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, filters
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.motion.masks import runs, with_margin
+from numpy_cae.motion.masks import runs, widen_runs
 from numpy_cae.motion.motion import blocks
 from numpy_cae.motion.quaternions import slerp
 
@@ -74,7 +74,7 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     jumps = (levels > 0) | sharp
     found = []
     for column in np.flatnonzero(sharp.any(axis=0)).tolist():
-        joined = with_margin(jumps[:, [column]], round(BLENDED_SECONDS * motion.rate / 2))[:, 0]
+        joined = widen_runs(jumps[:, [column]], round(BLENDED_SECONDS * motion.rate / 2))[:, 0]
         for first, end in runs(joined).tolist():
             if not sharp[first:end, column].any():
                 continue
@@ -89,7 +89,7 @@ def _rough_frames(motion: Motion) -> np.ndarray:
     """The frames next to those in which a curve is rough."""
     curves = list(curves_of(motion)) if len(motion) >= filters.LEAST_FRAMES else []
     rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
-    return np.flatnonzero(with_margin(rough[:, None] > SHARP_METRES, 1)[:-1])
+    return np.flatnonzero(widen_runs(rough[:, None] > SHARP_METRES, 1)[:-1])
 
 
 def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:
@@ -108,13 +108,13 @@ def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = Non
     filtered = replace(motion, rotations=rotations, translations=translations)
     margin = round(AROUND_SECONDS * motion.rate)
     for _ in range(ROUNDS if len(motion) >= filters.LEAST_FRAMES else 0):
-        near = with_margin(jumps.max(axis=1, keepdims=True), margin)[:, 0]
+        near = widen_runs(jumps.max(axis=1, keepdims=True), margin)[:, 0]
         for first, end in runs(near).tolist():  # the filtered curves of an hour take 0.75 GB
             part = slice(first, max(end, min(first + filters.LEAST_FRAMES, len(motion))))
             done = _filtered_around(filtered.at(part), jumps[part], (source or filtered).at(part))
             rotations[part], translations[part] = done.rotations, done.translations
         source = filtered
-        beside = with_margin(jumps, round(BLENDED_SECONDS * motion.rate))
+        beside = widen_runs(jumps, round(BLENDED_SECONDS * motion.rate))
         jumps = (jump_levels(filtered, np.flatnonzero(near[:-1])) > 0) & beside
         if not jumps.any():
             break
@@ -149,8 +149,8 @@ def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motio
     """The motion with the rotations and translations of the joints on the way from the root to
     those that jump (frames, 20) those of `source` filtered around, as far as they are not smooth
     there."""
-    strong = filters.filter_motion(source, lambda x: filters.strongly_filtered(x, motion.rate))
-    near = with_margin(_rough_on_the_way(source, jumps), round(BLENDED_SECONDS * motion.rate))
+    strong = filters.filter_motion(source, lambda x: filters.filter_strongly(x, motion.rate))
+    near = widen_runs(_rough_on_the_way(source, jumps), round(BLENDED_SECONDS * motion.rate))
     width = max(2 * round(BLENDED_SECONDS * motion.rate / 2) + 1, 3)
     window = np.hanning(width + 2)[1:-1] / np.hanning(width + 2).sum()
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
@@ -196,5 +196,5 @@ def smooth_motion(motion: Motion, findings: Sequence[Finding] = ()) -> Motion:
     smooth = filters.filter_motion(motion, lambda curve: filters.smooth_curve(curve, motion.rate))
     # A fast kick is not sharp and no jump; what was sharp is no longer so once it is filtered.
     sharp = (jump_levels(motion) == SHARP).any(axis=1, keepdims=True)
-    near = with_margin(sharp, round(BLENDED_SECONDS * motion.rate))
+    near = widen_runs(sharp, round(BLENDED_SECONDS * motion.rate))
     return without_jumps(smooth, (jump_levels(smooth) > 0) & near, motion)

@@ -34,7 +34,7 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, RATE, Motion
-from numpy_cae.motion.hole_curves import rotations_over_holes
+from numpy_cae.motion.hole_curves import interpolate_rotations
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
 
@@ -183,7 +183,7 @@ def mend_limb_turns(
         missing = np.zeros((len(motion), 1), bool)
         missing[turn.first + 1 : turn.risen] = True
         missing[turn.falls + 1 : turn.end] = True
-        rotations[:, [joint]] = rotations_over_holes(rotations[:, [joint]], missing, motion.rate)
+        rotations[:, [joint]] = interpolate_rotations(rotations[:, [joint]], missing, motion.rate)
     return replace(motion, rotations=rotations)
 
 

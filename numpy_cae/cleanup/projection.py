@@ -8,7 +8,7 @@ from numpy_cae.motion.features import (
     SMOOTHING_SECONDS,
     VELOCITY,
     RootTransform,
-    smoothed,
+    smooth,
     trajectory_of,
     velocities_along,
 )
@@ -71,8 +71,8 @@ def keep_trajectory(
     file_floor, file_theta = trajectory_of(features, root)
     floor, theta = trajectory_of(projected, root)
     sigma = SMOOTHING_SECONDS * rate
-    floor = floor + smoothed(file_floor - floor, sigma)
-    theta = theta + smoothed((file_theta - theta)[:, None], sigma)[:, 0]
+    floor = floor + smooth(file_floor - floor, sigma)
+    theta = theta + smooth((file_theta - theta)[:, None], sigma)[:, 0]
     kept = projected.copy()
     kept[:, VELOCITY.start :] = velocities_along(floor, theta)
     return kept, RootTransform(floor[0, 0], floor[0, 2], theta[0])

@@ -35,7 +35,7 @@ from numpy_cae.cleanup.still import find_still, find_t_pose, is_held
 from numpy_cae.manifold.filling import checked_mask
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body
-from numpy_cae.motion.masks import with_margin
+from numpy_cae.motion.masks import widen_runs
 from numpy_cae.motion.motion import Motion, require_finite
 
 NEAR_SECONDS = 0.25
@@ -280,7 +280,7 @@ def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> 
     near = np.zeros((len(before), 1), bool)
     for finding in damage:
         near[finding.stretch] = True
-    frames = np.flatnonzero(with_margin(near, margin)[:-1])
+    frames = np.flatnonzero(widen_runs(near, margin)[:-1])
     levels = [jumps.jump_levels(motion, frames) for motion in (before, after)]
     sharp = [(level == jumps.SHARP).sum(axis=1) for level in levels]
     left = [(level > 0).sum(axis=1) for level in levels]

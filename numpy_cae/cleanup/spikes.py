@@ -15,7 +15,7 @@ import numpy as np
 
 from numpy_cae.cleanup.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
 from numpy_cae.cleanup.finding import Finding, confidence
-from numpy_cae.motion.hole_curves import over_holes, rotations_over_holes
+from numpy_cae.motion.hole_curves import interpolate_rotations, interpolate_values
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
 
@@ -166,5 +166,5 @@ def _interpolated(curve: Curve, segments: Sequence[Segment]) -> Curve:
     """A curve interpolated over segments."""
     missing = np.zeros((len(curve.values), 1), bool)
     missing[[frame for run in segments for frame in range(run.first, run.end)]] = True
-    over = rotations_over_holes if curve.is_rotation else over_holes
+    over = interpolate_rotations if curve.is_rotation else interpolate_values
     return replace(curve, values=over(curve.values[:, None], missing, curve.rate)[:, 0])

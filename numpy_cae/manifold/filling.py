@@ -14,7 +14,7 @@ from numpy_cae.manifold.completion import completed
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS, RATE
 from numpy_cae.motion.features import POSITIONS, local_positions
-from numpy_cae.motion.hole_curves import over_holes
+from numpy_cae.motion.hole_curves import interpolate_values
 from numpy_cae.motion.masks import runs_with
 
 AGAIN = 4
@@ -103,7 +103,7 @@ def corrected(
         return local_positions(manifold.project(moved, average_shifts=True))
 
     def interpolate(values: np.ndarray, known: np.ndarray) -> np.ndarray:
-        return over_holes(values, ~known[..., 0], RATE)
+        return interpolate_values(values, ~known[..., 0], RATE)
 
     legs = np.repeat((kinds_of_holes(missing) == b"leg")[..., None], 3, axis=-1)
     known = ~np.repeat(missing[..., None], 3, axis=-1)

@@ -64,10 +64,14 @@ class AngleTable:
         self.name = name
         self.joints = tuple(parent)
         self.parents = tuple(-1 if p is None else self.joints.index(p) for p in parent.values())
-        named = [(joint, axis) for joint, axes in rotating.items() for axis in axes]
-        numbers = [*(("translation", axis) for axis in "xyz"), *named]
-        self.columns = tuple(f"{joint} {axis}" for joint, axis in numbers)
-        self.indices = np.array([3 * self.joints.index(j) + "xyz".index(axis) for j, axis in named])
+        columns = ["translation x", "translation y", "translation z"]
+        indices = []
+        for joint, axes in rotating.items():
+            for axis in axes:
+                columns.append(f"{joint} {axis}")
+                indices.append(3 * self.joints.index(joint) + "xyz".index(axis))
+        self.columns = tuple(columns)
+        self.indices = np.array(indices)
         self.rotating_parents: list[int] = []
         for ancestor in self.parents:
             while ancestor >= 0 and self.joints[ancestor] not in rotating:
@@ -143,7 +147,8 @@ def motion_of(numbers: np.ndarray, table: AngleTable, offsets: np.ndarray) -> Mo
     >>> len(motion), motion.rate
     (50, 25.0)
     """
-    frames, joints = len(numbers), len(table.joints)
+    frames = len(numbers)
+    joints = len(table.joints)
     vectors = np.zeros((frames, 3 * joints))
     vectors[:, table.indices] = numbers[:, TRANSLATION.stop :]
     # If a joint's parent does not rotate, the offsets of both are from the same rotating ancestor;
@@ -184,7 +189,7 @@ def on_floor(motion: Motion) -> Motion:
     return replace(motion, translations=translations)
 
 
-def unwrapped(vectors: np.ndarray) -> np.ndarray:
+def unwrap(vectors: np.ndarray) -> np.ndarray:
     """The same rotations, continuous in time: rotation vectors (F, …, 3) in radians. From the
     second frame on, each is replaced by the equivalent vector nearest to that of the frame before.
     """
@@ -206,7 +211,7 @@ def _nearest(vector: np.ndarray, before: np.ndarray) -> np.ndarray:
     return vector + _PERIOD * turns * axis
 
 
-def shortest_clips(vectors: np.ndarray) -> np.ndarray:
+def remove_whole_turns(vectors: np.ndarray) -> np.ndarray:
     """Continuous rotation vectors (…, F, J, 3) of clips, shifted by whole turns to the shortest.
 
     After a person has turned round once, the root's vector is 2π longer from there on; that should

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.motion.angles import ANGLES, TRANSLATION, AngleSequence, shortest_clips
+from numpy_cae.motion.angles import ANGLES, TRANSLATION, AngleSequence, remove_whole_turns
 
 CLIP = 50
 """Frames in a clip: two seconds."""
@@ -52,11 +52,10 @@ def draw_clips(
     ends = np.cumsum(starts)
     sources = np.searchsorted(ends, chosen, side="right")
     firsts = chosen - (ends - starts)[sources]
-    drawn = [
-        sequences[source].numbers[first : first + frames]
-        for source, first in zip(sources, firsts, strict=True)
-    ]
-    return _normalised(np.stack(drawn), sequences[0])
+    drawn = []
+    for source, first in zip(sources, firsts, strict=True):
+        drawn.append(sequences[source].numbers[first : first + frames])
+    return _normalise(np.stack(drawn), sequences[0])
 
 
 def cut_clips(
@@ -88,13 +87,12 @@ def cut_clips(
     >>> cut_clips([walk]).shape  # they begin at frames 0, 25 and 50 of 100
     (3, 50, 54)
     """
-    cut = [
-        sequence.numbers[first : first + frames]
-        for sequence in sequences
-        for first in range(0, len(sequence) - frames + 1, step)
-    ]
-    _require_clips(len(cut), frames)
-    return _normalised(np.stack(cut), sequences[0])
+    clips = []
+    for sequence in sequences:
+        for first in range(0, len(sequence) - frames + 1, step):
+            clips.append(sequence.numbers[first : first + frames])
+    _require_clips(len(clips), frames)
+    return _normalise(np.stack(clips), sequences[0])
 
 
 def _require_clips(count: int, frames: int) -> None:
@@ -102,12 +100,12 @@ def _require_clips(count: int, frames: int) -> None:
         raise ValueError(f"no motion is as long as a clip of {frames} frames at 25 a second")
 
 
-def _normalised(clips: np.ndarray, sequence: AngleSequence) -> np.ndarray:
+def _normalise(clips: np.ndarray, sequence: AngleSequence) -> np.ndarray:
     """Translations relative to the first frame, angles as short as they can be."""
     clips[..., TRANSLATION] -= clips[:, :1, TRANSLATION]
     table = sequence.table
     vectors = np.zeros((*clips.shape[:2], 3 * len(table.joints)))
     vectors[..., table.indices] = clips[..., ANGLES]
-    shortest = shortest_clips(vectors.reshape(*clips.shape[:2], -1, 3))
+    shortest = remove_whole_turns(vectors.reshape(*clips.shape[:2], -1, 3))
     clips[..., ANGLES] = shortest.reshape(vectors.shape)[..., table.indices]
     return clips

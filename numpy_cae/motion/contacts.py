@@ -11,7 +11,7 @@ frames (Bandai, CMU) in which a toe is below a height:
 import numpy as np
 
 from numpy_cae.motion.joints import JOINTS
-from numpy_cae.motion.masks import with_margin
+from numpy_cae.motion.masks import widen_runs
 
 FEET = (JOINTS.index("left_toe"), JOINTS.index("right_toe"))
 """The toe joints, left and right, at the ball of each foot."""
@@ -57,9 +57,10 @@ def find_contacts(positions: np.ndarray, rate: float) -> np.ndarray:
     stands = (toes[..., 1] < floor_height(toes) + STANDING_METRES) & (speed < STANDING_METRES_PER_S)
     # The edge values are repeated: a clip may begin and end in the middle of a step.
     padded = np.pad(stands, ((_LEAST_FRAMES, _LEAST_FRAMES), (0, 0)), mode="edge")
-    closed = ~with_margin(~with_margin(padded, _LEAST_FRAMES // 2), _LEAST_FRAMES // 2)
-    steady = with_margin(~with_margin(~closed, _LEAST_FRAMES // 2), _LEAST_FRAMES // 2)
-    return steady[_LEAST_FRAMES:-_LEAST_FRAMES]
+    margin = _LEAST_FRAMES // 2
+    without_gaps = ~widen_runs(~widen_runs(padded, margin), margin)
+    without_noise = widen_runs(~widen_runs(~without_gaps, margin), margin)
+    return without_noise[_LEAST_FRAMES:-_LEAST_FRAMES]
 
 
 def foot_sliding(positions: np.ndarray, rate: float) -> float:

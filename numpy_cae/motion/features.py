@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from numpy_cae.motion.joints import JOINTS, PARENTS, SIDES
+from numpy_cae.motion.joints import JOINTS, PARENTS
 
 POSITIONS = slice(0, 3 * len(JOINTS))
 """x, y and z of each of the twenty joints, metres."""
@@ -207,17 +207,18 @@ def heading(positions: np.ndarray, rate: float) -> np.ndarray:
     at = {joint: positions[:, index] for index, joint in enumerate(JOINTS)}
     across = at["left_shoulder"] - at["right_shoulder"] + at["left_hip"] - at["right_hip"]
     forward = np.cross(across, [0.0, 1.0, 0.0])
-    smooth = smoothed(forward, SMOOTHING_SECONDS * rate)
-    return np.unwrap(np.arctan2(smooth[:, 0], smooth[:, 2]))
+    forward = smooth(forward, SMOOTHING_SECONDS * rate)
+    return np.unwrap(np.arctan2(forward[:, 0], forward[:, 2]))
 
 
-def smoothed(values: np.ndarray, sigma: float) -> np.ndarray:
+def smooth(values: np.ndarray, sigma: float) -> np.ndarray:
     """Values (F, C) smoothed along time by a Gaussian with a standard deviation of `sigma` frames,
     as `scipy.ndimage.gaussian_filter1d` does; the first and the last value are held."""
     radius = int(4 * sigma + 0.5)
     weights = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
     held = np.pad(values, ((radius, radius), (0, 0)), mode="edge")
-    columns = [np.convolve(column, weights / weights.sum(), "valid") for column in held.T]
+    weights /= weights.sum()
+    columns = [np.convolve(column, weights, "valid") for column in held.T]
     return np.stack(columns, axis=1)
 
 
@@ -230,12 +231,15 @@ def rotate_about_y(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
 
 def rotate_on_floor(vectors: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """The x and z of `rotate_about_y`: (x cos θ + z sin θ, z cos θ - x sin θ) of (…, 2)."""
-    cos, sin = np.cos(angles), np.sin(angles)
-    x, z = vectors[..., 0], vectors[..., 1]
+    cos = np.cos(angles)
+    sin = np.sin(angles)
+    x = vectors[..., 0]
+    z = vectors[..., 1]
     return np.stack([x * cos + z * sin, z * cos - x * sin], axis=-1)
 
 
-_LEGS = [JOINTS.index(f"{side}_{joint}") for side in SIDES for joint in ("knee", "ankle")]
+_LEGS = [JOINTS.index(joint) for joint in ("left_knee", "left_ankle", "right_knee", "right_ankle")]
+"""The joints where the thighs and the shins end."""
 _NO_LENGTH = 1e-6
 """A bone shorter than this (m) has no direction. In the CMU BVH files both collars are exactly at
 the chest."""
@@ -271,7 +275,7 @@ def bone_lengths(positions: np.ndarray) -> np.ndarray:
 def frame_lengths(positions: np.ndarray) -> np.ndarray:
     """The lengths in each frame, (F, 20)."""
     lengths = np.zeros(positions.shape[:2])  # no bone ends at the hips
-    for joint, parent in list(enumerate(PARENTS))[1:]:  # an hour of all bones takes 0.2 GB
+    for joint, parent in enumerate(PARENTS[1:], start=1):  # an hour of all bones takes 0.2 GB
         lengths[:, joint] = np.linalg.norm(positions[:, joint] - positions[:, parent], axis=-1)
     return lengths
 
@@ -292,7 +296,7 @@ def problem_of_lengths(lengths: np.ndarray) -> str:
     if not LEGS[0] <= legs <= LEGS[1]:
         problem = f"the bones to both knees and ankles are {legs:.3g} m long in all"
         return f"{problem}, expected {LEGS[0]:g} to {LEGS[1]:g} m; is the unit another?"
-    for joint, parent in list(enumerate(PARENTS))[1:]:
+    for joint, parent in enumerate(PARENTS[1:], start=1):
         if lengths[joint] <= _NO_LENGTH and (parent == 0 or lengths[parent] <= _NO_LENGTH):
             problem = f"the bone to {JOINTS[joint]} has no length: the joint is at {JOINTS[parent]}"
             return f"{problem}; is this a person? `numpy-cae rig FILE` lists its joints"
@@ -328,13 +332,13 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
     """
     changed = np.empty(positions.shape)
     changed[:, 0] = positions[:, 0] * (target[_LEGS].sum() / own[_LEGS].sum())
-    for joint, parent in list(enumerate(PARENTS))[1:]:
+    for joint, parent in enumerate(PARENTS[1:], start=1):
         if own[joint] > _NO_LENGTH:
             bone = (positions[:, joint] - positions[:, parent]) * (target[joint] / own[joint])
         else:
-            above = changed[:, parent] - changed[:, PARENTS[parent]]
-            longer = target[parent] > _NO_LENGTH
-            bone = above * (target[joint] / target[parent] if longer else 0.0)
+            bone_above = changed[:, parent] - changed[:, PARENTS[parent]]
+            ratio = target[joint] / target[parent] if target[parent] > _NO_LENGTH else 0.0
+            bone = bone_above * ratio
         changed[:, joint] = changed[:, parent] + bone
     return changed
 
@@ -359,8 +363,8 @@ def features_on_mean_skeleton(
     """
     lengths_of_takes = [bone_lengths(take) for take in takes]
     mean = np.mean(lengths_of_takes, axis=0)
-    features = [
-        positions_to_features(change_lengths(take, lengths, mean), rate)[0]
-        for take, lengths in zip(takes, lengths_of_takes, strict=True)
-    ]
-    return features, mean
+    features_of_takes = []
+    for take, lengths in zip(takes, lengths_of_takes, strict=True):
+        features, _ = positions_to_features(change_lengths(take, lengths, mean), rate)
+        features_of_takes.append(features)
+    return features_of_takes, mean

@@ -34,14 +34,16 @@ RESPONSE = np.linspace(0.0, 0.4999, 1000)
 """Gains are averaged over these frequencies, in cycles a frame: h_0 is the mean gain."""
 LEAST_FRAMES = 30
 """A motion of fewer frames is not filtered."""
-STRONG_SECONDS, STRONG_HERTZ = 0.17, 5.0
+STRONG_SECONDS = 0.17
+STRONG_HERTZ = 5.0
 """The strong filter is a median over this time (s) and a Butterworth filter of this cut-off
 (Hz)."""
 
 
 def filter_motion(motion: Motion, smooth: Callable[[np.ndarray], np.ndarray]) -> Motion:
     """The motion with each curve (F, C) of its rotations and of its translations filtered."""
-    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    rotations = motion.rotations.copy()
+    translations = motion.translations.copy()
     for joint in range(rotations.shape[1]):
         q = rotations[:, joint]
         # q and -q are the same rotation: no jumps between them.
@@ -92,7 +94,7 @@ def gain_of(frequency: np.ndarray, cut_off: float) -> np.ndarray:
     return 1 / (1 + (np.tan(np.pi * frequency) / np.tan(np.pi * cut_off)) ** 4)
 
 
-def strongly_filtered(values: np.ndarray, rate: float) -> np.ndarray:
+def filter_strongly(values: np.ndarray, rate: float) -> np.ndarray:
     """A curve (F, C) after a median and a Butterworth filter."""
     return butterworth(median_of(values, round(STRONG_SECONDS * rate / 2)), STRONG_HERTZ, rate)
 

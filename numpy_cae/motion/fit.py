@@ -108,13 +108,14 @@ def swing(before: np.ndarray, after: np.ndarray, share: float = 1.0) -> np.ndarr
     The vectors may have any length; the rotation is exactly the identity where they are the same or
     one is zero. `share` is the part of the angle to rotate by.
     """
-    before, after = unit_vectors(before), unit_vectors(after)
+    before = unit_vectors(before)
+    after = unit_vectors(after)
     axis = np.cross(before, after)
     sine = np.linalg.norm(axis, axis=-1)
     cosine = np.sum(before * after, axis=-1)
     # For opposite directions the axis is not unique: take any perpendicular one.
-    other = np.where(np.abs(before[:, [0]]) < 0.9, [1.0, 0, 0], [0, 1.0, 0])
-    opposite = np.where(cosine[:, None] < 0, np.cross(before, other), 0.0)
+    x_or_y = np.where(np.abs(before[:, [0]]) < 0.9, [1.0, 0, 0], [0, 1.0, 0])
+    opposite = np.where(cosine[:, None] < 0, np.cross(before, x_or_y), 0.0)
     axis = np.where(sine[:, None] > 1e-9, axis, opposite)
     return from_vector(unit_vectors(axis) * (share * np.arctan2(sine, cosine))[:, None])
 
@@ -139,7 +140,9 @@ def unit_vectors(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12)
 
 
-def bent(start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray) -> np.ndarray:
+def bend_limb(
+    start: np.ndarray, chain: np.ndarray, middle: np.ndarray, end: np.ndarray
+) -> np.ndarray:
     """The point nearest to `middle` from which a limb that begins at `start` reaches `end`.
 
     Let a and b be the lengths of its two bones, which `chain` (F, 3 joints, 3) gives before the

@@ -1,13 +1,15 @@
-"""Values and rotations interpolated over the frames in which they are unknown.
+"""Interpolate values and rotations over holes: the frames in which they are unknown.
 
-A rotation is interpolated as rotation vectors relative to the last known frame before the hole:
+A `Hole` is a stretch of such frames, its keys are the known frames next to it, and a `Curve` goes
+through the keys over the hole. A rotation is interpolated as rotation vectors relative to the last
+known frame before the hole:
 
     R_t = R_a exp(x(t)),    x(t_k) = log(R_a⁻¹ R_k)  at the known frames t_k
 
-x is one of the curves through keys below, or a mean of them.
+x is one of the curves below, or a mean of them.
 
 `pchip`, `cubic` and `slerp` are those of animation programs (`ROTATION_CURVES`). The speed of pchip
-and slerp at the ends of a hole differs from that of the motion. `with_speeds` adds to a curve c the
+and slerp at the ends of a hole differs from that of the motion. `join_speeds` adds to a curve c the
 difference between the speed v of the motion at an end of the hole and the slope of the curve. With
 t the time from that end and T at most the duration of the hole:
 
@@ -23,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.motion import quaternions
-from numpy_cae.motion.angles import unwrapped
+from numpy_cae.motion.angles import unwrap
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
@@ -76,13 +78,13 @@ def slerp(
     return pchip(keys[near], values[near], times, derivative)
 
 
-def with_speeds(curve: Curve, longest: float) -> Curve:
+def join_speeds(curve: Curve, longest: float) -> Curve:
     """The curve with the speeds at both ends of the hole, by the module's equation, T <= longest.
 
     Where the frames around the hole do not give its speed (`speed_at`), the curve is unchanged.
     """
 
-    def changed(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    def joined(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
         result = curve(keys, values, times)
         after = int(np.searchsorted(keys, times[0]))
         duration = longest
@@ -91,16 +93,17 @@ def with_speeds(curve: Curve, longest: float) -> Curve:
             ends = keys[after - 1 : after + 1]
             duration = min(longest, ends[1] - ends[0])
             slopes = curve(keys, values, ends, 1)
-        outwards = (slice(after - 1, None, -1) if after else slice(0), slice(after, None))
-        for side, slope_there in zip(outwards, slopes, strict=True):
-            speed = speed_at(keys[side], values[side])
+        # From the hole outwards: the keys before it, the nearest first, and those after it.
+        sides = ((keys[:after][::-1], values[:after][::-1]), (keys[after:], values[after:]))
+        for (side_keys, side_values), slope in zip(sides, slopes, strict=True):
+            speed = speed_at(side_keys, side_values)
             if speed is not None:
-                t = (times - keys[side][0])[:, None, None]
+                t = (times - side_keys[0])[:, None, None]
                 ramp = np.clip(1 - np.abs(t) / duration, 0.0, None) ** 2
-                result += (speed - slope_there) * t * ramp
+                result += (speed - slope) * t * ramp
         return result
 
-    return changed
+    return joined
 
 
 def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
@@ -117,12 +120,12 @@ def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
 
 
 ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
-eased = with_speeds(pchip, EASE_SECONDS)
+eased = join_speeds(pchip, EASE_SECONDS)
 CURVES: dict[str, Curve] = {
     "eased": eased,
-    "pchip": with_speeds(pchip, BRIEF_SECONDS),
+    "pchip": join_speeds(pchip, BRIEF_SECONDS),
     "cubic": cubic,
-    "slerp": with_speeds(slerp, BRIEF_SECONDS),
+    "slerp": join_speeds(slerp, BRIEF_SECONDS),
 }
 """The curves of `fill` and `repair` by name; the speed jumps in none of them."""
 
@@ -130,17 +133,16 @@ CURVES: dict[str, Curve] = {
 def mean_curve(weights: np.ndarray) -> Curve:
     """The mean of `CURVES` with these weights, (4,), whose sum is 1."""
 
-    def curve(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-        parts = [x(keys, values, times) for x in CURVES.values()]
+    def mean(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+        parts = [curve(keys, values, times) for curve in CURVES.values()]
         return np.tensordot(weights, parts, axes=1)
 
-    return curve
+    return mean
 
 
-EVERY = slice(None)
-"""All frames."""
+ALL_FRAMES = slice(None)
 CurveAt = Callable[[int, int], Curve]
-"""CurveAt: from a column and the first frame of a hole in it to the curve over this hole."""
+"""From a column and the first frame of a hole in it to the curve over this hole."""
 
 
 def eased_everywhere(column: int, first: int) -> Curve:
@@ -148,9 +150,9 @@ def eased_everywhere(column: int, first: int) -> Curve:
     return eased
 
 
-class _Hole(NamedTuple):
-    """Frames from `first` to before `end` that are unknown in some columns, and the known frames
-    next to them, 2/30 s and a few frames more on both sides."""
+class Hole(NamedTuple):
+    """Frames from `first` to before `end` that are unknown in some columns, and its keys: the
+    known frames next to it, 2/30 s and a few frames more on both sides."""
 
     columns: np.ndarray
     first: int
@@ -158,88 +160,100 @@ class _Hole(NamedTuple):
     keys: np.ndarray
 
 
-Chart = Callable[[np.ndarray, _Hole], tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]]
-"""From the values of a hole's keys to vectors (K, N, C), and a function from such vectors back."""
+def find_holes(missing: np.ndarray, rate: float) -> Iterator[Hole]:
+    """Each hole of a mask (F, N); columns with the same holes are taken together, and columns
+    without known values are left out."""
+    columns = np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0))
+    if not len(columns):
+        return
+    patterns, numbers = np.unique(missing[:, columns], axis=1, return_inverse=True)
+    near = 2 * max(1, round(rate / RATE)) + 4
+    for number, pattern in enumerate(patterns.T):
+        known_frames = np.flatnonzero(~pattern)
+        for first, end in runs(pattern).tolist():
+            after = int(np.searchsorted(known_frames, first))
+            keys = known_frames[max(after - near, 0) : after + near]
+            yield Hole(columns[numbers.ravel() == number], first, end, keys)
 
 
-def _vectors(values: np.ndarray, hole: _Hole) -> tuple[np.ndarray, Callable]:
-    """The `Chart` of values that are vectors."""
-    return values, np.asarray
+def interpolate_values(
+    values: np.ndarray,
+    missing: np.ndarray,
+    rate: float,
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = ALL_FRAMES,
+) -> np.ndarray:
+    """Values (F, N, C) interpolated over a mask (F, N); a column without known values stays.
+
+    With a mask `frames` (F,), only these frames are returned: all of an hour take 0.4 GB.
+    """
+    filled = np.array(values[frames], dtype=np.float64)
+    is_returned = _as_mask(frames, len(values))
+    for hole in find_holes(missing, rate):
+        keys = values[np.ix_(hole.keys, hole.columns)]
+        _put(filled, is_returned, hole, _over_hole(hole, keys, rate, curve_at))
+    return filled
 
 
-def _rotation_vectors(rotations: np.ndarray, hole: _Hole) -> tuple[np.ndarray, Callable]:
-    """The `Chart` of quaternions: the rotation vectors x(t_k) of the keys, relative to the last
-    known rotations R_a before the hole, or the first after it where none is before."""
+def interpolate_rotations(
+    rotations: np.ndarray,
+    missing: np.ndarray,
+    rate: float,
+    curve_at: CurveAt = eased_everywhere,
+    frames: np.ndarray | slice = ALL_FRAMES,
+) -> np.ndarray:
+    """The same for rotations as quaternions (F, N, 4), by the module's equation. A rotation that is
+    never known is that of the rest pose."""
+    filled = np.array(rotations[frames], dtype=np.float64)
+    is_returned = _as_mask(frames, len(rotations))
+    for hole in find_holes(missing, rate):
+        start, vectors = _rotation_vectors(rotations[np.ix_(hole.keys, hole.columns)], hole)
+        inside = product(start, from_vector(_over_hole(hole, vectors, rate, curve_at)))
+        _put(filled, is_returned, hole, inside)
+    filled[:, missing.all(axis=0)] = IDENTITY
+    return filled
+
+
+def _as_mask(frames: np.ndarray | slice, count: int) -> np.ndarray:
+    mask = np.zeros(count, bool)
+    mask[frames] = True
+    return mask
+
+
+def _rotation_vectors(rotations: np.ndarray, hole: Hole) -> tuple[np.ndarray, np.ndarray]:
+    """R_a (N, 4) and the rotation vectors x(t_k) (K, N, 3) of the keys' rotations (K, N, 4).
+
+    R_a is the last known rotation before the hole, or the first after it where none is before.
+    """
     before = int(np.searchsorted(hole.keys, hole.first))
     last = max(before - 1, 0)
     start = rotations[last]
     vectors = to_vector(product(inverse(start), rotations))
     for side in (vectors[:before][::-1], vectors[last:]):
         if np.abs(side).max(initial=0.0) >= np.pi / 2:  # else none is half a turn away
-            side[...] = unwrapped(side)
-    return vectors, lambda inside: product(start, from_vector(inside))
+            side[...] = unwrap(side)
+    return start, vectors
 
 
-def over_holes(
-    values: np.ndarray,
-    missing: np.ndarray,
-    rate: float,
-    curve_at: CurveAt = eased_everywhere,
-    frames: np.ndarray | slice = EVERY,
-    chart: Chart = _vectors,
-) -> np.ndarray:
-    """Values (F, N, C) interpolated over a mask (F, N); a column without known values is kept.
-
-    With a mask `frames` (F,), only these frames are returned: all of an hour take 0.4 GB. `chart`
-    makes vectors of values that are none.
-    """
-    filled = np.array(values[frames], dtype=np.float64)
-    kept = np.zeros(len(values), bool)
-    kept[frames] = True
-    for hole in _holes(missing, rate):
-        vectors, values_of = chart(values[np.ix_(hole.keys, hole.columns)], hole)
-        curve = curve_at(hole.columns[0], hole.first)
-        times = np.arange(hole.first, hole.end) / rate
-        inside = values_of(curve(hole.keys / rate, vectors, times))[kept[hole.first : hole.end]]
-        first = np.count_nonzero(kept[: hole.first])
-        filled[first : first + len(inside), hole.columns] = inside
-    return filled
+def _over_hole(hole: Hole, keys: np.ndarray, rate: float, curve_at: CurveAt) -> np.ndarray:
+    """The values (n, N, C) in a hole, by its curve through values (K, N, C) at its keys."""
+    curve = curve_at(hole.columns[0], hole.first)
+    times = np.arange(hole.first, hole.end) / rate
+    return curve(hole.keys / rate, keys, times)
 
 
-def rotations_over_holes(
-    rotations: np.ndarray,
-    missing: np.ndarray,
-    rate: float,
-    curve_at: CurveAt = eased_everywhere,
-    frames: np.ndarray | slice = EVERY,
-) -> np.ndarray:
-    """The same for rotations as quaternions (F, N, 4); see the equation of the module. A rotation
-    that is never known is that of the rest pose."""
-    filled = over_holes(rotations, missing, rate, curve_at, frames, _rotation_vectors)
-    filled[:, missing.all(axis=0)] = IDENTITY
-    return filled
-
-
-def _holes(missing: np.ndarray, rate: float) -> Iterator[_Hole]:
-    """Each hole of a mask (F, N); columns with the same holes are taken together."""
-    some = np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0))
-    if not len(some):
-        return
-    patterns, numbers = np.unique(missing[:, some], axis=1, return_inverse=True)
-    near = 2 * max(1, round(rate / RATE)) + 4
-    for number, pattern in enumerate(patterns.T):
-        known = np.flatnonzero(~pattern)
-        for first, end in runs(pattern).tolist():
-            after = int(np.searchsorted(known, first))
-            keys = known[max(after - near, 0) : after + near]
-            yield _Hole(some[numbers.ravel() == number], first, end, keys)
+def _put(filled: np.ndarray, is_returned: np.ndarray, hole: Hole, inside: np.ndarray) -> None:
+    """Put the values in a hole into the frames that are returned."""
+    inside = inside[is_returned[hole.first : hole.end]]
+    first = np.count_nonzero(is_returned[: hole.first])
+    filled[first : first + len(inside), hole.columns] = inside
 
 
 SHORT_SECONDS = 0.25
 """A damaged stretch of at most this duration (s) is interpolated with its spikes."""
 
 
-def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:
+def remove_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np.ndarray:
     """The rotations (F, 4) of one joint, changed where `damaged` (F) to continue those around.
 
     Positions do not determine the rotation of a bone about its own axis, so retargeting takes it
@@ -255,30 +269,36 @@ def without_seams(rotations: np.ndarray, damaged: np.ndarray, rate: float) -> np
     """
     changed = rotations.copy()
     for first, end in runs(damaged).tolist():
-        if end - first <= SHORT_SECONDS * rate and first > 0 and end < len(rotations):
+        is_short = end - first <= SHORT_SECONDS * rate
+        if is_short and first > 0 and end < len(rotations):
             share = np.arange(1, end - first + 1) / (end - first + 1)
             changed[first:end] = quaternions.slerp(rotations[first - 1], rotations[end], share)
         else:
-            changed[first:end] = rejoined(rotations, first, end)
+            changed[first:end] = join_rotations(rotations, first, end)
     return changed
 
 
-def rejoined(rotations: np.ndarray, first: int, end: int) -> np.ndarray:
-    """The rotations (F, 4) of some frames, turned to continue those outside: R'_t of
-    `without_seams`. Where one end is that of the file, the other end's correction is for all."""
+def join_rotations(rotations: np.ndarray, first: int, end: int) -> np.ndarray:
+    """The rotations (F, 4) of the frames from `first` to before `end`, turned to continue those
+    outside: R'_t of `remove_seams`.
+
+    Where the motion has no frame before or after them, the correction of the other end is for all;
+    where it has neither, nothing changes.
+    """
     inside = rotations[first:end]
-    # [1::-1]: the first two frames after the stretch, in reverse order.
-    before, after = _continued(rotations[:first][-2:]), _continued(rotations[end:][1::-1])
-    ends = ((inside[0], before), (inside[-1], after))
-    corrections = [product(inverse(now), to) for now, to in ends if to is not None]
+    corrections = []
+    if first > 0:
+        before = rotations[max(first - 2, 0) : first]
+        corrections.append(product(inverse(inside[0]), _continue(before)))
+    if end < len(rotations):
+        after = rotations[end : end + 2][::-1]  # backwards in time
+        corrections.append(product(inverse(inside[-1]), _continue(after)))
     if not corrections:
         return inside
     share = np.linspace(0, 1, end - first)
     return product(inside, quaternions.slerp(corrections[0], corrections[-1], share))
 
 
-def _continued(last: np.ndarray) -> np.ndarray | None:
-    """The rotation that continues the `last` one or two, (1 or 2, 4); None if there are none."""
-    if len(last) == 0:
-        return None
+def _continue(last: np.ndarray) -> np.ndarray:
+    """The rotation (4,) that continues the last one or two, (1 or 2, 4)."""
     return product(product(last[-1], inverse(last[0])), last[-1])

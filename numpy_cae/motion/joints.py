@@ -30,9 +30,10 @@ joint."""
 
 SIDES = ("left", "right")
 LIMBS: dict[str, tuple[str, ...]] = {
-    f"{side}_{limb}": tuple(f"{side}_{joint}" for joint in joints)
-    for limb, joints in (("arm", ("elbow", "wrist")), ("leg", ("knee", "ankle", "toe")))
-    for side in SIDES
+    "left_arm": ("left_elbow", "left_wrist"),
+    "right_arm": ("right_elbow", "right_wrist"),
+    "left_leg": ("left_knee", "left_ankle", "left_toe"),
+    "right_leg": ("right_knee", "right_ankle", "right_toe"),
 }
 """The joints that move where a shoulder or a hip turns."""
 

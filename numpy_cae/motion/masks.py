@@ -34,7 +34,7 @@ def runs_with(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
     return has_some[numbers]
 
 
-def with_margin(mask: np.ndarray, frames: int) -> np.ndarray:
+def widen_runs(mask: np.ndarray, frames: int) -> np.ndarray:
     """A mask (F, N) with each run extended by this number of frames on both sides."""
     padded = np.pad(mask, ((frames + 1, frames), (0, 0)))
     count = np.cumsum(padded, axis=0, dtype=np.int32)
@@ -50,15 +50,3 @@ def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:
     before = np.floor(source).astype(int)
     after = np.minimum(np.ceil(source).astype(int), len(motion) - 1)
     return mask[before] | mask[after]
-
-
-def in_file(motion: Motion, mask: np.ndarray) -> np.ndarray:
-    """A mask (F, N) at `RATE` in the frames of a motion, (frames, N).
-
-    A frame is True if either neighbouring frame at `RATE` is True. A mask that is taken to `RATE`
-    by `at_thirty` and back has longer runs than before.
-    """
-    source = motion.source_frames(RATE)
-    after = np.searchsorted(source, np.arange(len(motion)), side="left")
-    before = np.searchsorted(source, np.arange(len(motion)), side="right") - 1
-    return mask[np.minimum(after, len(source) - 1)] | mask[before]

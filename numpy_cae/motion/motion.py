@@ -25,7 +25,8 @@ Joint = TypeVar("Joint")
 
 RATE = 30.0
 """Frames a second of holden2015, section 4: every motion is resampled to it before a network."""
-MIN_RATE, MAX_RATE = 1.0, 10_000.0
+MIN_RATE = 1.0
+MAX_RATE = 10_000.0
 """Other rates of files are refused. A few frames of a lower one would last hours and would fill the
 memory when they are resampled; no camera that records motions is faster."""
 
@@ -233,14 +234,15 @@ class Motion:
 
     def at(self, frames: np.ndarray | slice) -> Motion:
         """The motion that consists of these frames, in this order."""
-        rotations, translations = self.rotations[frames], self.translations[frames]
-        return replace(self, rotations=rotations, translations=translations)
+        return replace(
+            self, rotations=self.rotations[frames], translations=self.translations[frames]
+        )
 
     def sampled(self, poses: int) -> Motion:
         """About this many poses of the motion, evenly spaced; poses with NaN are left out."""
-        some = self.at(slice(None, None, max(1, len(self) // poses)))
-        lost = np.isnan(some.rotations).any((1, 2)) | np.isnan(some.translations).any((1, 2))
-        return some.at(~lost) if lost.any() else some
+        sample = self.at(slice(None, None, max(1, len(self) // poses)))
+        lost = np.isnan(sample.rotations).any((1, 2)) | np.isnan(sample.translations).any((1, 2))
+        return sample.at(~lost) if lost.any() else sample
 
     def positions(self, joints: Sequence[int] | None = None) -> np.ndarray:
         """World positions of the joints, or of some, (frames, joints, 3) in metres, Y up."""
@@ -257,9 +259,12 @@ class Motion:
 
         If `joints` is given, only these joints and their ancestors are computed.
         """
-        positions, rotations = self.translations.copy(), self.rotations.copy()
-        ends = range(len(self.skeleton.names)) if joints is None else joints
-        for joint in sorted({each for end in ends for each in self.skeleton.path(end)} - {0}):
+        positions = self.translations.copy()
+        rotations = self.rotations.copy()
+        needed: set[int] = set()
+        for end in range(len(self.skeleton.names)) if joints is None else joints:
+            needed.update(self.skeleton.path(end))
+        for joint in sorted(needed - {0}):
             parent = self.skeleton.parents[joint]
             of_parent = rotations[:, parent]
             rotations[:, joint] = quaternions.product(of_parent, rotations[:, joint])

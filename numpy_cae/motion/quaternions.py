@@ -61,10 +61,10 @@ def to_vector(q: np.ndarray) -> np.ndarray:
     return q[..., :3] / (np.sinc(angle(q) / (2 * np.pi)) / 2)[..., None]
 
 
-def slerp(one: np.ndarray, other: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Spherical interpolation: a share (…) of the rotation that leads from one to the other."""
-    way = to_vector(product(inverse(one), other))
-    return product(one, from_vector(share[..., None] * way))
+def slerp(start: np.ndarray, end: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Spherical interpolation: a share (…) of the rotation that leads from `start` to `end`."""
+    way = to_vector(product(inverse(start), end))
+    return product(start, from_vector(share[..., None] * way))
 
 
 def nearest(matrices: np.ndarray) -> np.ndarray:
@@ -99,7 +99,8 @@ def from_angles(order: str, angles: np.ndarray) -> np.ndarray:
     for axis, column in zip(order, angles.T, strict=True):
         i = "XYZ".index(axis)
         j, k = (i + 1) % 3, (i + 2) % 3
-        sin, cos = np.sin(column / 2), np.cos(column / 2)
+        sin = np.sin(column / 2)
+        cos = np.cos(column / 2)
         q[i], q[3] = q[i] * cos + q[3] * sin, q[3] * cos - q[i] * sin
         q[j], q[k] = q[j] * cos + q[k] * sin, q[k] * cos - q[j] * sin
     return np.stack(q, axis=1)
@@ -110,10 +111,13 @@ def to_angles(order: str, q: np.ndarray) -> np.ndarray:
     angle, the last is 0 (Bernardes and Viollet 2022)."""
     k, j, i = ("XYZ".index(axis) for axis in order)
     sign = (i - j) * (j - k) * (k - i) // 2
-    a, b = q[:, 3] - q[:, j], q[:, i] + sign * q[:, k]
-    c, d = q[:, 3] + q[:, j], sign * q[:, k] - q[:, i]
+    a = q[:, 3] - q[:, j]
+    b = q[:, i] + sign * q[:, k]
+    c = q[:, 3] + q[:, j]
+    d = sign * q[:, k] - q[:, i]
     middle = 2 * np.arctan2(np.hypot(c, d), np.hypot(a, b))
-    total, difference = np.arctan2(b, a), np.arctan2(d, c)
+    total = np.arctan2(b, a)
+    difference = np.arctan2(d, c)
     low = middle < 1e-7
     high = middle > np.pi - 1e-7
     last = np.where(low | high, 0.0, total - difference)
@@ -127,18 +131,20 @@ def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> n
     frame. All are in radians; the first ones are near the angles `before` (N,)."""
     before = angles[0] if before is None else before
     if angles.shape[1] == 3:
-        other = angles * [1, -1, 1] + np.pi
-        from_one = _distance(np.vstack([before, angles[:-1]]), angles)
-        from_other = _distance(np.vstack([before, angles[:-1]]), other)
-        use_other = np.cumsum(from_other < from_one) % 2 == 1
-        angles = np.where(use_other[:, None], other, angles)
+        # (a + π, π - b, c + π) is the same rotation as (a, b, c). Where it is nearer to the frame
+        # before, it is used, and from there on the two change their roles.
+        equivalent = angles * [1, -1, 1] + np.pi
+        previous = np.vstack([before, angles[:-1]])
+        is_nearer = _distance(previous, equivalent) < _distance(previous, angles)
+        use_equivalent = np.cumsum(is_nearer) % 2 == 1
+        angles = np.where(use_equivalent[:, None], equivalent, angles)
     steps = np.diff(np.vstack([before, angles]), axis=0)
     return angles - 2 * np.pi * np.cumsum(np.round(steps / (2 * np.pi)), axis=0)
 
 
-def _distance(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _distance(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """The largest of three differences of angles (F, 3), apart from whole turns: (F,)."""
-    turns = (one - other) / (2 * np.pi)
+    turns = (start - end) / (2 * np.pi)
     return 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1)
 
 
@@ -151,15 +157,19 @@ def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:
     """
     if order.islower():
         return nearest_angles(rotations, order[::-1].upper())[:, ::-1]
-    found = np.zeros((len(rotations), len(order)))
-    least = np.full(len(rotations), np.inf if order else -np.inf)
-    for three in map("".join, permutations("XYZ")):
-        places = [three.index(axis) for axis in order]
-        if places == sorted(places):
-            angles = to_angles(three, rotations)[:, places]
-            if len(order) == 3:
-                return angles
-            miss = angle(product(inverse(from_angles(order, angles)), rotations))
-            found[miss < least] = angles[miss < least]
-            least = np.minimum(least, miss)
-    return found
+    if len(order) == 3:
+        return to_angles(order, rotations)
+    nearest_so_far = np.zeros((len(rotations), len(order)))
+    if not order:
+        return nearest_so_far
+    least = np.full(len(rotations), np.inf)
+    for axes in permutations("XYZ"):
+        places = [axes.index(axis) for axis in order]
+        if places != sorted(places):
+            continue
+        angles = to_angles("".join(axes), rotations)[:, places]
+        miss = angle(product(inverse(from_angles(order, angles)), rotations))
+        is_nearer = miss < least
+        nearest_so_far[is_nearer] = angles[is_nearer]
+        least = np.minimum(least, miss)
+    return nearest_so_far

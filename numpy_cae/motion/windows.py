@@ -53,9 +53,9 @@ def cut_windows(
         raise ValueError("features have no frames to cut windows from")
     if frames < length:
         held = np.repeat(features[-1:], length - frames, axis=0)
-        whole = np.concatenate([features, held])
-        whole[frames - 1 :, VELOCITY.start :] = 0.0
-        return whole[None], (np.arange(length) < frames)[None]
+        window = np.concatenate([features, held])
+        window[frames - 1 :, VELOCITY.start :] = 0.0
+        return window[None], (np.arange(length) < frames)[None]
     starts = list(range(0, frames - length + 1, length - overlap))
     if starts[-1] + length < frames:
         starts.append(frames - length)

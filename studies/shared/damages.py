@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import body_positions, find_joints, retarget
 from numpy_cae.motion import JOINTS, RATE, Motion
-from numpy_cae.motion.fit import bent
+from numpy_cae.motion.fit import bend_limb
 from numpy_cae.motion.joints import LIMBS, joint_mask
 from numpy_cae.motion.quaternions import slerp
 
@@ -126,7 +126,7 @@ def frozen_in_world(motion: Motion, rng: Rng) -> Damaged:
     distance = np.linalg.norm(way, axis=-1)
     reached = distance.clip(np.abs(upper - lower) + WRONG, upper + lower - WRONG)
     wrist = chain[:, 0] + way * (reached / np.maximum(distance, 1e-9))[:, None]
-    positions[frames, arm[1]] = bent(chain[:, 0], chain, chain[:, 1], wrist)
+    positions[frames, arm[1]] = bend_limb(chain[:, 0], chain, chain[:, 1], wrist)
     positions[frames, arm[2]] = wrist
     mask = joint_mask(len(motion), LIMBS[f"{side}_arm"], frames)
     return retarget(motion, positions, mask), mask

@@ -20,7 +20,7 @@ from numpy_cae.manifold import starter
 from numpy_cae.mocap import body_positions, rig_of
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import FEET, find_contacts
-from numpy_cae.motion.filters import filter_motion, strongly_filtered
+from numpy_cae.motion.filters import filter_motion, filter_strongly
 from studies.shared.damages import DAMAGES, EASED, eased
 
 LEG = [JOINTS.index(f"left_{joint}") for joint in ("knee", "ankle", "toe")]
@@ -265,7 +265,7 @@ def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk
     noisy = turned(walk, {"lhumerus": noise}, "z")
     repaired = repair_motion(noisy, None)
     assert {"jumps"} == {finding.kind for finding in repaired.findings} - {"spike"}
-    ten_lines = filter_motion(noisy, lambda curve: strongly_filtered(curve, walk.rate))
+    ten_lines = filter_motion(noisy, lambda curve: filter_strongly(curve, walk.rate))
     assert (jump_levels(noisy) > 0).sum() > 10
     assert (jump_levels(repaired.motion) > 0).sum() <= (jump_levels(ten_lines) > 0).sum()
     moved = repaired.touched.any(axis=1)
@@ -338,7 +338,7 @@ def test_a_motion_that_shakes_and_jumps_is_smoothed_about_as_by_ten_lines(walk):
         noisy = turned(noisy, {"lhumerus": 70.0}, "z", [frame])
     assert fitting_preset(noisy) == "video"
     repaired = repair_motion(noisy, None, preset=replace(PRESETS["video"], feet=False))
-    ten_lines = filter_motion(noisy, lambda curve: strongly_filtered(curve, walk.rate))
+    ten_lines = filter_motion(noisy, lambda curve: filter_strongly(curve, walk.rate))
     assert error(repaired.motion, walk, ALL, ALL) < 1.2 * error(ten_lines, walk, ALL, ALL)
     assert (jump_levels(repaired.motion) > 0).sum() <= (jump_levels(ten_lines) > 0).sum()
 

@@ -10,7 +10,7 @@ from numpy_cae.cleanup.holes import PRIOR_TRIALS, curves_and_strengths, trials_i
 from numpy_cae.cleanup.interpolated import on_curves, unknown_channels
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import JOINTS
-from numpy_cae.motion.hole_curves import CURVES, over_holes, rotations_over_holes
+from numpy_cae.motion.hole_curves import CURVES, interpolate_rotations, interpolate_values
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
 
@@ -37,7 +37,7 @@ def test_a_short_hole_in_a_parabola_is_the_parabola(rate):
     t = np.arange(round(2 * rate)) / rate
     values = (1 + 2 * t - 3 * t**2)[:, None, None]
     missing = (abs(t - 1) < 0.2)[:, None]
-    filled = over_holes(np.where(missing[..., None], np.nan, values), missing, rate)
+    filled = interpolate_values(np.where(missing[..., None], np.nan, values), missing, rate)
     np.testing.assert_array_equal(filled[~missing], values[~missing])
     np.testing.assert_allclose(filled, values, atol=1e-9)
 
@@ -48,7 +48,7 @@ def test_rotations_turn_beyond_half_a_turn():
     missing = (frames >= 20) & (frames < 35)
     spoilt = np.where(missing[..., None], [0.0, 0.0, 0.0, 1.0], turning)
     for curve in CURVES.values():
-        filled = rotations_over_holes(spoilt, missing, 30.0, lambda *_, curve=curve: curve)
+        filled = interpolate_rotations(spoilt, missing, 30.0, lambda *_, curve=curve: curve)
         assert angle(product(inverse(filled), turning)).max() < 1e-6
 
 

@@ -14,7 +14,7 @@ from numpy_cae.mocap.formats.expmap import HUMAN36M, read_expmap
 from numpy_cae.mocap.rigs.recognise import recognised
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion import cut_clips, draw_clips, motion_of
-from numpy_cae.motion.angles import HUMAN36M_TABLE, SEVENTEEN, shortest_clips, unwrapped
+from numpy_cae.motion.angles import HUMAN36M_TABLE, SEVENTEEN, remove_whole_turns, unwrap
 from numpy_cae.motion.clips import ANGLES, TRANSLATION
 
 
@@ -104,7 +104,7 @@ def test_the_same_rotations_without_a_jump(seed):
     axis = rng.normal(size=(1, 3, 3)) + 0.002 * np.cumsum(rng.normal(size=(100, 3, 3)), axis=0)
     axis /= np.linalg.norm(axis, axis=-1, keepdims=True)
     smooth = angle[..., None] * axis
-    found = unwrapped(wrapped(smooth))
+    found = unwrap(wrapped(smooth))
     assert np.allclose(wrapped(found), wrapped(smooth), atol=1e-9)
     steps = np.linalg.norm(np.diff(smooth, axis=0), axis=-1).max()
     assert np.linalg.norm(np.diff(found, axis=0), axis=-1).max() < 2 * steps + 1e-9
@@ -114,13 +114,13 @@ def test_an_exact_identity_on_the_way_keeps_the_turn():
     smooth = np.array([[0.0, 6.0, 0.0], [0.0, 2 * np.pi, 0.0], [0.0, 6.6, 0.0]])
     angle = wrapped(smooth)
     angle[1] = 0.0
-    assert np.allclose(unwrapped(np.concatenate([smooth[:1], angle[1:]])), smooth, atol=1e-9)
+    assert np.allclose(unwrap(np.concatenate([smooth[:1], angle[1:]])), smooth, atol=1e-9)
 
 
 def test_what_does_not_jump_is_left_alone():
     calm = np.random.default_rng(0).normal(0, 0.2, (50, 4, 3))
-    assert np.array_equal(unwrapped(calm), calm)
-    assert np.array_equal(shortest_clips(calm), calm)
+    assert np.array_equal(unwrap(calm), calm)
+    assert np.array_equal(remove_whole_turns(calm), calm)
 
 
 @given(st.integers(0, 9999), st.integers(-3, 3))
@@ -130,7 +130,7 @@ def test_a_clip_forgets_turns_made_before_it(seed, turns):
     axis /= np.linalg.norm(axis)
     clip = (rng.uniform(0.5, 2.5) + 0.2 * np.sin(np.linspace(0, 6, 50)))[:, None, None] * axis
     later = clip * (1 + 2 * np.pi * turns / np.linalg.norm(clip, axis=-1, keepdims=True))
-    assert np.allclose(shortest_clips(later), clip, atol=1e-9)
+    assert np.allclose(remove_whole_turns(later), clip, atol=1e-9)
 
 
 @pytest.mark.parametrize("kind", JANG2018_KINDS)

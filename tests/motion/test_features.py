@@ -16,7 +16,7 @@ from numpy_cae.motion.features import (
     heading,
     joint_slice,
     positions_to_features,
-    smoothed,
+    smooth,
 )
 from numpy_cae.motion.fit import body_skeleton, fit_motion
 
@@ -92,7 +92,7 @@ def test_heading_follows_the_body_and_never_jumps():
 def test_the_smoothing_of_the_heading_holds_the_ends_as_scipys_does(frames):
     values = np.random.default_rng(frames).normal(size=(frames, 3))
     expected = gaussian_filter1d(values, 10.0, axis=0, mode="nearest")
-    np.testing.assert_allclose(smoothed(values, 10.0), expected, atol=1e-12)
+    np.testing.assert_allclose(smooth(values, 10.0), expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("without_length", [False, True])

@@ -57,7 +57,7 @@ def angles_of(motion: Motion) -> angles.AngleSequence:
             offsets[joint] = quaternions.rotate(inverse, offset).mean(axis=0)
             local = quaternions.product(inverse, local)
         vectors[:, joint] = quaternions.to_vector(local)
-    turned = angles.unwrapped(vectors).reshape(len(motion), -1)[:, table.indices]
+    turned = angles.unwrap(vectors).reshape(len(motion), -1)[:, table.indices]
     return angles.AngleSequence(np.hstack([positions[:, found[0]], turned]), table, offsets)
 
 

@@ -27,8 +27,8 @@ import numpy as np
 
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
-from numpy_cae.motion.fit import ROUNDING, bent, fit_fan, swing
-from numpy_cae.motion.hole_curves import without_seams
+from numpy_cae.motion.fit import ROUNDING, bend_limb, fit_fan, swing
+from numpy_cae.motion.hole_curves import remove_seams
 from numpy_cae.motion.joints import JOINTS, SIDES
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import IDENTITY, angle, inverse, product, rotate
@@ -152,7 +152,7 @@ def _started(
         damaged = ends.any(axis=1)
         if start is not None:  # where every bone is damaged, the rotation of `start` has no seam
             damaged &= ~ends.all(axis=1)
-        rotations[:, joint] = without_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
+        rotations[:, joint] = remove_seams(rotations[:, joint], np.asarray(damaged), motion.rate)
     return replace(motion, rotations=rotations, translations=translations)
 
 
@@ -195,7 +195,7 @@ def _rotated(
         if ends[0] in limbs and len(ends) == 1:
             end, exact = limbs[ends[0]]
             chain = before[:, [joint, ends[0], end]]
-            middle = bent(after[:, joint], chain, targets[ends[0]], targets[end])
+            middle = bend_limb(after[:, joint], chain, targets[ends[0]], targets[end])
             targets[ends[0]] = np.where(exact[:, None], middle, targets[ends[0]])
         bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
         target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
