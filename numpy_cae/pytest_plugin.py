@@ -9,43 +9,57 @@ from __future__ import annotations
 
 import inspect
 from types import FunctionType
+from typing import Any, TypeGuard
 
 import pytest
 
 PROPERTY = "operation_property"
-"""PROPERTY: the name of the parameter of a test that stands for its property."""
+"""The name of the parameter of a test that stands for its property."""
 
 
-def pytest_pycollect_makeitem(collector, name: str, obj: object) -> None:
+def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str, obj: Any) -> None:
     """Give a marked function the parameters that pytest fills: its fixtures, and its property."""
-    function = obj.__func__ if type(obj) in (staticmethod, classmethod) else obj
+    # isinstance would ask a proxy, such as Flask's current_app, for what it stands for.
+    kind = type(obj)
+    function = obj.__func__ if kind in (staticmethod, classmethod) else obj
     if not _is_marked(function) or PROPERTY in inspect.signature(function).parameters:
         return
-    if type(obj) is classmethod or inspect.iscoroutinefunction(function):
-        kind = "class method" if type(obj) is classmethod else "coroutine"
-        raise collector.CollectError(f"{name}: operation_test needs a function, not a {kind}")
+    if kind is classmethod or inspect.iscoroutinefunction(function):
+        refused = "class method" if kind is classmethod else "coroutine"
+        raise collector.CollectError(f"{name}: operation_test needs a function, not a {refused}")
+    is_method = isinstance(collector, pytest.Class) and kind is not staticmethod
+    parameter = inspect.Parameter(PROPERTY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    parameters = [*_fixture_parameters(function, is_method), parameter]
+    function.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+
+
+def _fixture_parameters(function: FunctionType, is_method: bool) -> list[inspect.Parameter]:
+    """The parameters of a marked function that are neither self, arrays, nor have a default."""
     parameters = list(inspect.signature(function).parameters.values())
-    is_method = isinstance(collector, pytest.Class) and type(obj) is not staticmethod
-    after = is_method + len(function.operation_arrays)  # self and the arrays
+    arrays = _array_names(function)
     if _takes_arrays_by_name(function):
-        kept = [each for each in parameters if each.name not in function.operation_arrays]
+        parameters = [parameter for parameter in parameters if parameter.name not in arrays]
     else:
-        kept = parameters[:is_method] + parameters[after:]
-    fixtures = [p for p in kept if p.default is p.empty and p.kind == p.POSITIONAL_OR_KEYWORD]
-    stated = inspect.Parameter(PROPERTY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    function.__signature__ = inspect.Signature([*fixtures, stated])
+        first = 1 if is_method else 0
+        parameters = parameters[:first] + parameters[first + len(arrays) :]
+    return [
+        parameter
+        for parameter in parameters
+        if parameter.default is parameter.empty
+        and parameter.kind == parameter.POSITIONAL_OR_KEYWORD
+    ]
 
 
-def pytest_generate_tests(metafunc) -> None:
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Make a test of each property."""
     if _is_marked(metafunc.function):
-        every = metafunc.function.operation_test
-        cases = [pytest.param(each, id=each.name, marks=each.marks) for each in every]
+        properties = vars(metafunc.function)["operation_test"]
+        cases = [pytest.param(prop, id=prop.name, marks=prop.marks) for prop in properties]
         metafunc.parametrize(PROPERTY, cases)
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_pyfunc_call(pyfuncitem) -> bool | None:
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     """Try the property on random cases, the same in every run."""
     function = pyfuncitem.function
     if not _is_marked(function):
@@ -53,28 +67,35 @@ def pytest_pyfunc_call(pyfuncitem) -> bool | None:
     from numpy_cae.verify import check_property
 
     names = [name for name in inspect.signature(function).parameters if name != "self"]
-    fixtures = {name: pyfuncitem.funcargs[name] for name in names}
-    stated = fixtures.pop(PROPERTY)
+    fixtures: dict[str, Any] = {name: pyfuncitem.funcargs[name] for name in names}
+    prop = fixtures.pop(PROPERTY)
 
-    def operation(*arrays):
+    def operation(*arrays: Any) -> Any:
         if _takes_arrays_by_name(function):
-            named = dict(zip(function.operation_arrays, arrays, strict=True))
+            named = dict(zip(_array_names(function), arrays, strict=True))
             return pyfuncitem.obj(**named, **fixtures)
         return pyfuncitem.obj(*arrays, **fixtures)
 
-    operation.__wrapped__ = function
+    operation.__wrapped__ = function  # type: ignore[attr-defined]
     operation.__name__ = function.__name__
     try:
-        check_property(stated, operation, vars(function).setdefault("operation_crashes", set()))
+        check_property(prop, operation, vars(function).setdefault("operation_crashes", set()))
     except AssertionError as error:  # without a traceback: lines of numpy_cae would not help
         raise pytest.fail.Exception(str(error), pytrace=False) from None
     return True
 
 
-def _is_marked(function: object) -> bool:
+def _is_marked(function: object) -> TypeGuard[FunctionType]:
+    """Whether an object is a plain function that `operation_test` has marked."""
     return type(function) is FunctionType and "operation_test" in vars(function)
 
 
+def _array_names(function: FunctionType) -> list[str]:
+    """The names of the arrays that `operation_test` was given."""
+    return list(vars(function)["operation_arrays"])
+
+
 def _takes_arrays_by_name(function: FunctionType) -> bool:
+    """Whether the function has a parameter for each array, by its name."""
     names = function.__code__.co_varnames[: function.__code__.co_argcount]
-    return set(function.operation_arrays) <= set(names)
+    return set(_array_names(function)) <= set(names)

@@ -26,14 +26,14 @@ class Actor:
     label: str = ""
     colour: str = PLAIN
     names: tuple[str, ...] = ()  # of the joints
-    moved: np.ndarray | None = None  # (F, J), distances as `compared` measures them, metres
+    moved: np.ndarray | None = None  # (F, J), distances as `measure_distances` has them, metres
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", visible(self.label))
         object.__setattr__(self, "names", tuple(map(visible, self.names)))
 
 
-def compared(actor: Actor, first: Actor) -> Actor:
+def measure_distances(actor: Actor, first: Actor) -> Actor:
     """The motion with the distances of its joints from those of `first`, in metres: the first joint
     in the world, each other one from the first; unchanged if joints or frames are not the same."""
     same = actor.names == first.names and actor.positions.shape == first.positions.shape
@@ -56,11 +56,11 @@ def before_and_after(
     repaired = positions.copy()
     repaired[len(before) - len(after) :] = after.positions(joints)
     first = Actor(positions, PARENTS, labels[0], CORRUPTED, JOINTS)
-    return [first, compared(Actor(repaired, PARENTS, labels[1], PROJECTED, JOINTS), first)]
+    return [first, measure_distances(Actor(repaired, PARENTS, labels[1], PROJECTED, JOINTS), first)]
 
 
 _RIGID = 0.01
-"""RIGID: a bone's length changes by less than this (m). The hips have no bone to a root on the
+"""A bone's length changes by less than this (m). The hips have no bone to a root on the
 floor, from which they move away."""
 
 
@@ -80,17 +80,21 @@ def motion_actor(
         if parents[first + 1] != first or np.ptp(bone) < _RIGID:
             break
         first += 1
-    kept = tuple(max(parent - first, -1) for parent in parents[first:])
-    return Actor(positions[:, first:], kept, label, colour, tuple(resampled.skeleton.names[first:]))
+    parents = tuple(max(parent - first, -1) for parent in parents[first:])
+    names = tuple(resampled.skeleton.names[first:])
+    return Actor(positions[:, first:], parents, label, colour, names)
 
 
 def side_by_side(motions: Sequence[Motion], labels: Sequence[str]) -> list[Actor]:
     """Motions of any rigs at the rate of the first, each in a colour of its own, compared with the
     first."""
-    colours = cycle([CORRUPTED, PROJECTED, TRUTH, PLAIN][len(motions) == 1 :])
-    drawn = zip(motions, labels, colours, strict=False)
-    actors = [motion_actor(*each, motions[0].rate) for each in drawn]
-    return [compared(actor, actors[0]) for actor in actors]
+    colours = [PROJECTED] if len(motions) == 1 else [CORRUPTED, PROJECTED, TRUTH, PLAIN]
+    rate = motions[0].rate
+    actors = [
+        motion_actor(motion, label, colour, rate)
+        for motion, label, colour in zip(motions, labels, cycle(colours), strict=False)
+    ]
+    return [measure_distances(actor, actors[0]) for actor in actors]
 
 
 Motions = Mapping[str, tuple[np.ndarray, str]]

@@ -1,12 +1,12 @@
 """The colours of motions and curves; orange, blue and green as in figure 1 of holden2015."""
 
 CORRUPTED = "#e8833a"
-"""CORRUPTED: orange, of damaged motions."""
+"""Orange, of damaged motions."""
 PROJECTED = "#2f6db5"
-"""PROJECTED: blue, of projected and repaired motions."""
+"""Blue, of projected and repaired motions."""
 TRUTH = "#3f9a4b"
-"""TRUTH: green, of true motions."""
+"""Green, of true motions."""
 PLAIN = "#444444"
-"""PLAIN: grey, of all others."""
+"""Grey, of all others."""
 OTHERS = ("#7a4ca0", "#c2378f", "#8c564b", "#6b6b6b", "#9a8a00", "#14908a")
-"""OTHERS: colours of curves that are no projection, no damage and no truth, in their order."""
+"""Colours of curves that are no projection, no damage and no truth, in their order."""

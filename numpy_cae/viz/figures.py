@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -38,25 +39,27 @@ def strip_figure(actors: list[Actor], rate: float, poses: int = 9, azimuth: floa
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
-    moments = _evenly(np.arange(len(actors[0].positions)), poses)
-    rows, (left, right, low, high), wide = _side_by_side(actors, moments, azimuth)
+    moments = _choose_evenly(np.arange(len(actors[0].positions)), poses)
+    strip = _lay_out(actors, moments, azimuth)
+    top = strip.top
     width = 1.25 * len(moments)
     if any(actor.label for actor in actors):  # 0.22 inches for the line above the poses
-        high += 0.22 * (right - left) / width
-    tall = width * (high - low) / (right - left)
-    figure = Figure(figsize=(width, len(actors) * tall))
+        top += 0.22 * (strip.end - strip.start) / width
+    height = width * (top - strip.bottom) / (strip.end - strip.start)
+    figure = Figure(figsize=(width, len(actors) * height))
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
-    for row, (actor, pictures) in enumerate(zip(actors, rows, strict=True)):
+    for row, (actor, row_poses) in enumerate(zip(actors, strip.rows, strict=True)):
         axes = figure.add_subplot(len(actors), 1, row + 1)
-        for place, lines in enumerate(pictures):
+        for place, lines in enumerate(row_poses):
             style: dict[str, Any] = {"linewidths": 2.2, "capstyle": "round"}
-            axes.add_collection(LineCollection(lines, colors=actor.colour, **style))
+            axes.add_collection(LineCollection(list(lines), colors=actor.colour, **style))
             time = f"{moments[place] / rate:.1f} s"
-            axes.annotate(time, (place * wide, low), ha="center", va="bottom", fontsize=7)
+            below = (place * strip.spacing, strip.bottom)
+            axes.annotate(time, below, ha="center", va="bottom", fontsize=7)
         if actor.label:
             name: dict[str, Any] = {"fontsize": 10, "color": actor.colour, "weight": "bold"}
             axes.text(0.004, 0.99, actor.label, transform=axes.transAxes, va="top", **name)
-        axes.set(xlim=(left, right), ylim=(low, high))
+        axes.set(xlim=(strip.start, strip.end), ylim=(strip.bottom, top))
         axes.axis("off")
     return figure
 
@@ -65,40 +68,64 @@ def strip_svg(actors: list[Actor], frames: np.ndarray, poses: int = 7) -> str:
     """A small strip for a page: poses of some frames, the motions over one another."""
     if not len(frames):
         return ""
-    rows, (left, right, low, high), _ = _side_by_side(actors, _evenly(frames, poses), 40.0)
-    scale = 64 / (high - low)  # pixels a metre
+    strip = _lay_out(actors, _choose_evenly(frames, poses), 40.0)
+    scale = 64 / (strip.top - strip.bottom)  # pixels a metre
     paths = ""
-    for actor, pictures in zip(actors, rows, strict=True):
-        ends = (np.concatenate(pictures) - [left, high]) * [scale, -scale]
+    for actor, row_poses in zip(actors, strip.rows, strict=True):
+        ends = (np.concatenate(row_poses) - [strip.start, strip.top]) * [scale, -scale]
         path = "".join(f"M{x:.1f} {y:.1f}L{u:.1f} {v:.1f}" for (x, y), (u, v) in ends)
         paths += f'<path d="{path}" stroke="{actor.colour}"/>'
-    return f'<svg viewBox="0 0 {(right - left) * scale:.0f} 64" aria-hidden="true">{paths}</svg>'
+    width = (strip.end - strip.start) * scale
+    return f'<svg viewBox="0 0 {width:.0f} 64" aria-hidden="true">{paths}</svg>'
 
 
-def _evenly(frames: np.ndarray, number: int) -> np.ndarray:
+class _Strip(NamedTuple):
+    """Poses side by side, in metres to the right and up.
+
+    Parameters
+    ----------
+    rows : list of list of (bones, 2, 2) arrays
+        For each motion the lines of each of its poses.
+    start, end, bottom, top : float
+        What the poses cover.
+    spacing : float
+        The distance of two poses.
+    """
+
+    rows: list[list[np.ndarray]]
+    start: float
+    end: float
+    bottom: float
+    top: float
+    spacing: float
+
+
+def _choose_evenly(frames: np.ndarray, number: int) -> np.ndarray:
     return frames[np.unique(np.linspace(0, len(frames) - 1, number).round().astype(int))]
 
 
-def _side_by_side(
-    actors: list[Actor], moments: np.ndarray, azimuth: float
-) -> tuple[list[list[np.ndarray]], tuple[float, float, float, float], float]:
-    """For each motion the lines of its poses, side by side; what they cover, left, right, low and
-    high; and the distance of two poses."""
-    rows = [[_pose(actor, frame, azimuth) for frame in moments] for actor in actors]
-    points = np.concatenate([pose.reshape(-1, 2) for row in rows for pose in row])
-    wide = 1.12 * max(np.ptp(points[:, 0]), 0.5)
+def _lay_out(actors: list[Actor], moments: np.ndarray, azimuth: float) -> _Strip:
+    """The poses of each motion at some moments, side by side."""
+    poses = []
+    for actor in actors:
+        poses.append([_draw_pose(actor, frame, azimuth) for frame in moments])
+    points = np.concatenate([pose.reshape(-1, 2) for pose in chain.from_iterable(poses)])
+    spacing = 1.12 * max(np.ptp(points[:, 0]), 0.5)
     # A pose may extend far to one side of its middle (a press-up).
-    left = min(-0.55 * wide, points[:, 0].min() - 0.05)
-    right = max(0.55 * wide, points[:, 0].max() + 0.05) + (len(moments) - 1) * wide
-    low, high = points[:, 1].min() - 0.12, points[:, 1].max() + 0.15
+    start = min(-0.55 * spacing, points[:, 0].min() - 0.05)
+    end = max(0.55 * spacing, points[:, 0].max() + 0.05) + (len(moments) - 1) * spacing
+    bottom = points[:, 1].min() - 0.12
     # Damage can move a body up by any distance.
-    high = min(high, low + 3.0 * (right - left))
-    places = [np.array([place * wide, 0.0]) for place in range(len(moments))]
-    placed = [[pose + place for pose, place in zip(row, places, strict=True)] for row in rows]
-    return placed, (left, right, low, high), wide
+    top = min(points[:, 1].max() + 0.15, bottom + 3.0 * (end - start))
+    rows = []
+    for row_poses in poses:
+        row = [pose + [place * spacing, 0.0] for place, pose in enumerate(row_poses)]
+        rows.append(row)
+    return _Strip(rows, start, end, bottom, top, spacing)
 
 
-def _pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
+def _draw_pose(actor: Actor, frame: int, azimuth: float) -> np.ndarray:
+    """The lines of a pose, (bones, 2, 2), with the middle of the body at 0."""
     points = actor.positions[frame]
     on_floor = np.median(points, axis=0) * [1.0, 0.0, 1.0]  # below the middle of the body
     return bones(camera_view(points - on_floor, azimuth), actor.parents)
@@ -159,7 +186,7 @@ def losses_figure(losses: Mapping[str, Sequence[float]]) -> Figure:
 
 
 _LABELS = 40
-"""LABELS: of more motions than this, only as many evenly spaced names are written."""
+"""Of more motions than this, only as many evenly spaced names are written."""
 
 
 def matrix_figure(
@@ -182,7 +209,7 @@ def matrix_figure(
     pairs = distances[np.triu_indices(len(names), 1)]
     order = leaves_list(linkage(pairs, "average", optimal_ordering=True))
     distances = distances[np.ix_(order, order)]
-    names = [names[int(at)] for at in order]
+    names = [names[int(index)] for index in order]
     side = float(np.clip(0.2 * len(names), 2.5, 9.0))
     figure = Figure(figsize=(side + 3.0, side), layout="constrained")
     axes = figure.add_subplot()

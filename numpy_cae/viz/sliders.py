@@ -10,8 +10,10 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from itertools import chain
 from math import prod
 from string import Template
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +22,9 @@ from numpy_cae.viz.colours import OTHERS
 from numpy_cae.viz.viewer import Player, deflated, page_text
 
 _LARGEST = 300_000
-"""LARGEST: the page of a figure has at most this number of bytes."""
+"""The page of a figure has at most this number of bytes."""
 _STEP = 0.005
-"""STEP: positions of joints are rounded to multiples of this (m)."""
+"""Positions of joints are rounded to multiples of this (m)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,18 +122,19 @@ def slider_figure(
     slope 2.0
     """
     positions = prod(len(values) for values in controls.values())
-    others = iter(OTHERS)
+    colours = iter(OTHERS)
     drawn = []
     for panel in panels:
         if isinstance(panel, Chart):
-            drawn.append(_chart(panel, others))
+            drawn.append(_chart_table(panel, colours))
         else:
-            drawn.append({"title": "", "rate": rate, "actors": [_actor(each) for each in panel]})
-    for rows in (texts, *(rows for panel in drawn for rows in _varying(panel))):
-        if len(rows) != positions:
-            raise ValueError(f"{len(rows)} rows or texts for {positions} positions of the controls")
-    named = [{"name": name, "values": _short(values)} for name, values in controls.items()]
-    table = {"controls": named, "panels": drawn, "start": start}
+            actors = [_actor_table(actor) for actor in panel]
+            drawn.append({"title": "", "rate": rate, "actors": actors})
+    _require_rows(texts, positions)
+    for rows in chain.from_iterable(_varying_rows(panel) for panel in drawn):
+        _require_rows(rows, positions)
+    sliders = [{"name": name, "values": _four_digits(v)} for name, v in controls.items()]
+    table = {"controls": sliders, "panels": drawn, "start": start}
     page = Template(page_text("slider.html")).substitute(
         title=escape(title),
         table=deflated(json.dumps(table).encode()),
@@ -143,22 +146,29 @@ def slider_figure(
     return Player(page, f"a figure with sliders: {title}", 430, tuple(texts))
 
 
-def _short(values) -> list:
+def _require_rows(rows: Sequence[object], positions: int) -> None:
+    """Raise ValueError unless there is a row for each position of the controls."""
+    if len(rows) != positions:
+        raise ValueError(f"{len(rows)} rows or texts for {positions} positions of the controls")
+
+
+def _four_digits(values: Any) -> list[Any]:
     """Four digits of each number; null where it is not finite."""
     if np.ndim(values) > 1:
-        return [_short(row) for row in values]
+        return [_four_digits(row) for row in values]
     return [float(f"{value:.4g}") if np.isfinite(value) else None for value in values]
 
 
-def _chart(chart: Chart, others: Iterator[str]) -> dict:
+def _chart_table(chart: Chart, colours: Iterator[str]) -> dict[str, Any]:
+    """A chart with the numbers of its curves; those without a colour take the next one."""
     curves = []
     for curve in chart.curves:
-        numbers = {"x": _short(curve.x), "y": _short(curve.y)}
-        curves.append({**vars(curve), **numbers, "colour": curve.colour or next(others)})
+        numbers = {"x": _four_digits(curve.x), "y": _four_digits(curve.y)}
+        curves.append({**vars(curve), **numbers, "colour": curve.colour or next(colours)})
     return {**vars(chart), "curves": curves}
 
 
-def _actor(actor: Actor) -> dict:
+def _actor_table(actor: Actor) -> dict[str, Any]:
     """An actor with its root above one place, in steps; differences of frames."""
     points = np.asarray(actor.positions, dtype=float)
     points = points[None] if points.ndim == 3 else points
@@ -172,8 +182,12 @@ def _actor(actor: Actor) -> dict:
     }
 
 
-def _varying(panel: dict) -> list[list]:
+def _varying_rows(panel: dict[str, Any]) -> list[list[Any]]:
     """What has a row for each position of the controls."""
-    arrays = [curve[axis] for curve in panel.get("curves", ()) for axis in "xy"]
-    varying = [rows for rows in arrays if isinstance(rows[0], list)]
-    return varying + [a["clips"] for a in panel.get("actors", ()) if len(a["clips"]) > 1]
+    varying = []
+    for curve in panel.get("curves", ()):
+        varying += [curve[axis] for axis in "xy" if isinstance(curve[axis][0], list)]
+    for actor in panel.get("actors", ()):
+        if len(actor["clips"]) > 1:
+            varying.append(actor["clips"])
+    return varying

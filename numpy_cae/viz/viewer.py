@@ -31,9 +31,9 @@ _SCRIPTS = ("data", "figure", "stage", "timeline", "findings", "viewer")
 _MODULES |= {f"motion-{script}": f"{script}.js" for script in _SCRIPTS}
 """Name by which a script imports another, and its file."""
 _STEP = 4e-4
-"""STEP: positions are packed in multiples of this (m)."""
+"""Positions are packed in multiples of this (m)."""
 SCALE = (0.01, 0.5)
-"""SCALE: the colours of distances go, by the logarithm, from the first of these to the second (m);
+"""The colours of distances go, by the logarithm, from the first of these to the second (m);
 a joint below is grey, one beyond has the last colour."""
 
 
@@ -65,22 +65,22 @@ def save_viewer(
         Arguments of `fragment`: overlaid, findings, command and rows.
     """
     page = page_html(actors, rate, title, **shown)
-    page = page.replace("</h1>", f"</h1>\n{_summary(summary, measures)}", 1)
+    page = page.replace("</h1>", f"</h1>\n{_summary_html(summary, measures)}", 1)
     with atomic_write(path) as temporary:
         Path(temporary).write_text(page, encoding="utf-8")
 
 
-def _summary(summary: Sequence[str], measures: Sequence[tuple[str, str, str]]) -> str:
+def _summary_html(summary: Sequence[str], measures: Sequence[tuple[str, str, str]]) -> str:
     if not summary:
         return ""
-    said = "".join(f"<li>{escape(visible(text))}</li>" for text in summary)
+    sentences = "".join(f"<li>{escape(visible(text))}</li>" for text in summary)
     rows = "".join(
         f"<tr><th scope=row>{escape(name)}</th><td>{before}</td><td>{after}</td></tr>"
         for name, before, after in measures
     )
     head = "<tr><td></td><th scope=col>before</th><th scope=col>after</th></tr>"
     words = page_text("words.html")
-    return f'<div class="summary"><ul>{said}</ul><table>{head}{rows}</table>{words}</div>'
+    return f'<div class="summary"><ul>{sentences}</ul><table>{head}{rows}</table>{words}</div>'
 
 
 def page_html(actors: Sequence[Actor], rate: float, title: str = "", **shown: Any) -> str:
@@ -111,7 +111,7 @@ def fragment(
     rate: float,
     style: str = "",
     overlaid: bool = False,
-    findings: Sequence[Mapping] = (),
+    findings: Sequence[Mapping[str, Any]] = (),
     command: str = "",
     rows: Mapping[str, np.ndarray] | None = None,
 ) -> str:
@@ -141,7 +141,7 @@ def fragment(
         "frames": longest,
         "overlaid": overlaid,
         "scale": SCALE,
-        "motions": [_packed(actor, actors[0], longest) for actor in actors],
+        "motions": [_pack(actor, actors[0], longest) for actor in actors],
         "findings": list(findings),
         "command": visible(command),
         "rows": {visible(name): np.round(row, 3).tolist() for name, row in (rows or {}).items()},
@@ -161,7 +161,7 @@ def page_text(name: str) -> str:
     return _FOLDER.joinpath(name).read_text(encoding="utf-8")
 
 
-def _packed(actor: Actor, first: Actor, frames: int) -> dict:
+def _pack(actor: Actor, first: Actor, frames: int) -> dict[str, Any]:
     """A motion in so many frames, of which the last ones repeat its last pose."""
     step = max(_STEP, float(np.nanmax(np.abs(first.positions))) / 2**28)
     steps = _steps(actor.positions, step, frames)
@@ -226,7 +226,9 @@ class Player:
         )
 
 
-def in_notebook(actors: Sequence[Actor], rate: float, findings: Sequence[Mapping] = ()) -> Player:
+def in_notebook(
+    actors: Sequence[Actor], rate: float, findings: Sequence[Mapping[str, Any]] = ()
+) -> Player:
     """Motions with play, pause and a slider, for the last line of a cell: side by side, or with
     findings overlaid.
 

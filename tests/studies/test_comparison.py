@@ -43,7 +43,9 @@ def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled,
     # "neutral" is the one style that two contents share: without it there are no such queries.
     walks = [take for take in labelled.testing if take.content == "walk"]
     few = {name: d[:2, :4] for name, d in between.items()}
-    assert "style, other content" not in comparison.average_precisions(few, walks, labelled.training[:4])
+    assert "style, other content" not in comparison.average_precisions(
+        few, walks, labelled.training[:4]
+    )
 
 
 def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):

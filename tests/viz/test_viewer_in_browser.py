@@ -8,7 +8,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.viz import motion_actor, save_viewer
-from numpy_cae.viz.actor import compared
+from numpy_cae.viz.actor import measure_distances
 
 SHOWN = "viewer => viewer.stage.figures.map(figure => figure.points.map(point => point.toArray()))"
 HEAD_ON_SCREEN = """viewer => {
@@ -169,7 +169,7 @@ def changed(browser, motions, tmp_path):
     moved[:, wrists] += [0.0, 0.0707, 0.0]
     wide[:, wrists] += [1.0, 0.0, 0.0]
     path = tmp_path / "changed.html"
-    near = compared(replace(first, positions=moved), first)
+    near = measure_distances(replace(first, positions=moved), first)
     save_viewer([first, near, replace(first, positions=wide)], path, 30.0)
     opened = browser.new_page(viewport={"width": 1200, "height": 700}, color_scheme="dark")
     opened.goto(path.as_uri())

@@ -59,22 +59,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    from numpy_cae.course.marks.handed_in import SUFFIXES, find_files
+    from numpy_cae.course.marks.handed_in import SUFFIXES, HandedIn, find_files
 
     with tempfile.TemporaryDirectory() as unpacked:
-        files = [each for path in args.files for each in find_files(path, Path(unpacked))]
-        if not any(
-            each.fault or (each.path.is_file() and each.path.suffix in SUFFIXES) for each in files
-        ):
+        files: list[HandedIn] = []
+        for path in args.files:
+            files += find_files(path, Path(unpacked))
+        to_grade = [
+            file
+            for file in files
+            if file.fault or (file.path.is_file() and file.path.suffix in SUFFIXES)
+        ]
+        if not to_grade:
             missing = [path for path in args.files if not path.exists()]
             problem = "there is no such file" if missing else "no Python file and no notebook"
             raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
         if (args.roster or args.late) and not args.csv:
             raise ValueError("--roster and --late are about the table of --csv FILE")
-        return _graded(args, files)
+        return _grade_files(args, files)
 
 
-def _graded(args: argparse.Namespace, files: list) -> int:
+def _grade_files(args: argparse.Namespace, files: list) -> int:
     """Grade the files, write what the options name, and print the reports or who has which."""
     from numpy_cae.cli.shared.output import with_progress
     from numpy_cae.course import catalogue
@@ -85,21 +90,20 @@ def _graded(args: argparse.Namespace, files: list) -> int:
     marks = ClassMarks(files, args.roster, args.late)
     limits = (args.time_limit, int(args.memory_limit))
 
-    def graded_file(file) -> FileReport:
+    def grade_file(file) -> FileReport:
         if file.fault:
             return FileReport(file.path, faults=[file.fault])
         lesson = args.lesson or file.lesson
         return grade(file.path, catalogue, *limits, lesson)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
-        made = pool.map(graded_file, files)
-        graded = list(with_progress(made, len(files), "file"))
+        reports = list(with_progress(pool.map(grade_file, files), len(files), "file"))
     if args.csv or args.feedback:
-        print("\n".join(marks.lines(graded)))
+        print("\n".join(marks.lines(reports)))
     else:
-        print("\n\n".join(str(report) for report in graded))
+        print("\n\n".join(str(report) for report in reports))
     if args.feedback:
-        write_feedback(args.feedback, marks.by_student(graded))
+        write_feedback(args.feedback, marks.by_student(reports))
     if args.csv:
-        marks.write_tables(args.csv, graded)
-    return 0 if all(report.held for report in graded) else 1
+        marks.write_tables(args.csv, reports)
+    return 0 if all(report.held for report in reports) else 1
