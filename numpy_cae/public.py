@@ -370,7 +370,7 @@ def learn(
         learning,
         schedule,
         seed,
-        window,
+        window=window,
         filters=filters,
         engine=engine,
         testing=testing,

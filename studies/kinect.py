@@ -74,7 +74,7 @@ def simple_errors(
 ) -> dict[str, float]:
     """The errors, cm, of the best filter over time and of PCA of the training takes."""
     training = clips_of(manifold, [take.positions for take in material.training])
-    x = training.evenly(TRAINING_WINDOWS).x
+    x = training.pick_evenly(TRAINING_WINDOWS).x
     pca = PCA.fit(x.reshape(len(x), -1))
     filtered = [gaussian_filter1d(seen, sigma, axis=1, mode="nearest") for sigma in SIGMAS]
     return {

@@ -46,7 +46,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     training = clips_of(manifold, [take.positions for take in material.training])
     testing, _ = testing_of(manifold, material)
     repairs = Repairs(manifold, training)
-    errors = sweep(repairs, testing.evenly(WINDOWS), PS, [seed])
+    errors = sweep(repairs, testing.pick_evenly(WINDOWS), PS, [seed])
     rows = [[method, *of_method.mean(axis=1)] for method, of_method in errors.items()]
     header = ["method", *(f"p = {p}" for p in PS)]
     of_half = {}
@@ -56,14 +56,14 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows)],
         _claims(of_half),
-        {f"removed_{p}": _picture(repairs, testing.evenly(1), p, seed) for p in PS[2:]},
+        {f"removed_{p}": _picture(repairs, testing.pick_evenly(1), p, seed) for p in PS[2:]},
     )
 
 
 def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:
     """A window of which values are removed, as each method repairs it, beside the truth."""
     damaged = zero_values(window.x, p, np.random.default_rng(seed))
-    repaired = {method: x for method, _, x in repairs.of(window, damaged, p)}
+    repaired = {method: x for method, _, x in repairs.apply(window, damaged, p)}
     denormalise = repairs.manifold.denormalise
     motions = {}
     for method, colour in DRAWN.items():
@@ -78,7 +78,7 @@ def sweep(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[in
     for p in ps:
         for seed in seeds:
             damaged = zero_values(test.x, p, np.random.default_rng(seed))
-            for method, _, repaired in repairs.of(test, damaged, p):
+            for method, _, repaired in repairs.apply(test, damaged, p):
                 errors[method].append(test.error(repaired))
     return {method: np.reshape(values, (len(ps), -1)) for method, values in errors.items()}
 

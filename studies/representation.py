@@ -72,7 +72,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         units(manifold, takes, testing, off),
         constraints(manifold, takes),
         unpoolings(manifold, testing, seed),
-        filters(manifold, testing.evenly(WINDOWS), seed),
+        filters(manifold, testing.pick_evenly(WINDOWS), seed),
     ]
     return combined("The representation and its limits", parts, sample)
 

@@ -15,7 +15,7 @@ from numpy_cae.evaluation.tables import (
     NETWORK,
     SQUARED,
     Table,
-    reconstruction,
+    compare_reconstructions,
 )
 from numpy_cae.training import SequenceSchedule, TrainingState
 from studies.jang2018 import training
@@ -89,7 +89,9 @@ def measure_reconstruction(studies: Sequence[Study], seed: int = 0) -> Result:
     claims = []
     for study in studies:
         action = study.action
-        table = reconstruction(action.name, study.manifold, action.training, action.testing, seed)
+        table = compare_reconstructions(
+            action.name, study.manifold, action.training, action.testing, seed
+        )
         tables.append(table)
         network = table.value(f"{action.name}: {NETWORK}", SQUARED)
         linear = table.value(f"{action.name}: {BY_PCA}", SQUARED)

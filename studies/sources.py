@@ -64,7 +64,7 @@ def _errors(training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed:
     """The errors in windows of takes (F, 20, 3) of the methods, fitted to other takes."""
     manifold = learn_manifold(training, recipe("fast"), seed)
     repairs = Repairs(manifold, clips_of(manifold, training))
-    test = clips_of(manifold, testing).evenly(WINDOWS)
+    test = clips_of(manifold, testing).pick_evenly(WINDOWS)
     return sweep(repairs, test, PS, range(seed, seed + SEEDS))
 
 

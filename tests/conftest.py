@@ -95,7 +95,7 @@ def walk_manifold(walk_takes):
     from numpy_cae.training import Schedule, Stage
 
     schedule = Schedule(layer=Stage(epochs=8), fine_tuning=Stage(epochs=12, rate=0.1, alpha=0.0))
-    return learn_manifold(walk_takes, schedule, 0, 32, 16, (16, 24), 5)
+    return learn_manifold(walk_takes, schedule, window=32, overlap=16, filters=(16, 24), taps=5)
 
 
 @pytest.fixture(scope="session")
@@ -108,7 +108,7 @@ def tiny_manifolds():
 
     motion = make_take("walk", 0, seconds=2.0, rate=50.0).motion
     stages = Schedule(Stage(epochs=1), Stage(epochs=1, rescaled=True))
-    conv = learn_manifold([body_of(motion)], stages, 0, 16, 8, (4, 6), 5)
+    conv = learn_manifold([body_of(motion)], stages, window=16, overlap=8, filters=(4, 6), taps=5)
     short = SequenceSchedule(epochs=1, steps=2, batch=4, directions=4)
     sizes = {"hidden": 6, "latent": 3, "frames": 30}
     sequence = learn_sequences([angles_of(motion)], short, **sizes)

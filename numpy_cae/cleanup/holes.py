@@ -3,7 +3,7 @@
 Which curve, and how strong a correction, is best in this motion? Each hole, a run of frames in
 which joints are missing, is imitated in the known frames of its own motion, where the truth is
 known: the same joints are hidden in as many frames, and every candidate k fills them in. With e_ik
-the mean error of candidate k in trial i of I, for the joints of one kind (`fill.kinds_of_holes`),
+the mean error of candidate k in trial i of I, for the joints of one kind (`classify_holes`),
 and r_k the mean of log e_k in holes of that kind and length of other sources
 (`fill_strengths.json`, which `python -m tools.fill_strengths` makes), the candidates' mean is
 
@@ -27,7 +27,7 @@ import numpy as np
 
 from numpy_cae.cleanup.finding import Finding
 from numpy_cae.cleanup.interpolated import interpolate_channels, missing_joints, on_curves
-from numpy_cae.manifold.filling import corrected, fill, kinds_of_holes
+from numpy_cae.manifold.filling import HOLE_KINDS, classify_holes, complete_from_curves, fill
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body, at_rate_of, body_of
 from numpy_cae.mocap.retargeting.to_rig import retarget
@@ -167,7 +167,7 @@ def complete_holes(
 
     A motion that is unlike what the manifold knows gets only what the user marked.
     """
-    manifold = manifold.remembering()
+    manifold = manifold.remember_projections()
     body = Body(motion, manifold.lengths)
     filled = [finding for finding in found if _is_filled(finding, motion.rate)]
     residual = holes_of(body, filled).typical_residual(manifold)
@@ -180,7 +180,7 @@ def filled_by(manifold: MotionManifold, body: Body, findings: list[Finding]) -> 
     """The motion of a body with the holes of findings filled in by the manifold."""
     curve_at, strength = curves_and_strengths(manifold, body, missing_joints(body.motion, findings))
     holes = holes_of(body, findings, curve_at)
-    return holes.filled(corrected(manifold, holes.features, holes.mask, strength))
+    return holes.filled(complete_from_curves(manifold, holes.features, holes.mask, strength))
 
 
 def _is_filled(finding: Finding, rate: float) -> bool:
@@ -216,7 +216,7 @@ class Trials(NamedTuple):
     Parameters
     ----------
     kinds : (frames, 20) array of str
-        The kinds of the joints that are hidden (`fill.kinds_of_holes`), else "".
+        The kinds of the joints that are hidden (`classify_holes`), else "".
     starts : list of int
         The first frame of each trial.
     size : int
@@ -249,8 +249,8 @@ def curves_and_strengths(
     """
     source = body.motion.source_frames(RATE)
     number = run_numbers(missing)
-    kinds = kinds_of_holes(missing)
-    kinds_at_rate = kinds_of_holes(at_thirty(body.motion, missing))
+    kinds = classify_holes(missing)
+    kinds_at_rate = classify_holes(at_thirty(body.motion, missing))
     strength = np.zeros(kinds_at_rate.shape)
     curves = dict[int, Curve]()
     always = np.asarray(missing.all(axis=0))
@@ -261,8 +261,8 @@ def curves_and_strengths(
         best = best_in_hole(manifold, body, kinds, always, hole, rank < MOST_HOLES)
         at_rate = slice(*np.searchsorted(source, [first - 1, end + 1]))
         for kind, (curve, s) in best.items():
-            strength[at_rate][kinds_at_rate[at_rate] == kind.encode()] = s
-            alike = number[first:end][kinds[first:end] == kind.encode()]
+            strength[at_rate][kinds_at_rate[at_rate] == HOLE_KINDS.index(kind)] = s
+            alike = number[first:end][kinds[first:end] == HOLE_KINDS.index(kind)]
             curves |= dict.fromkeys(np.unique(alike), curve)
     return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
 
@@ -277,15 +277,15 @@ def best_in_hole(
 ) -> dict[str, tuple[Curve, float]]:
     """The curve and the strength for each kind in a hole, which is a run of frames.
 
-    `kinds` (frames, 20) are those of the missing joints, else b""; `always` (20,) says which joints
+    `kinds` (frames, 20) are those of `classify_holes`; `always` (20,) says which joints
     are missing in all frames. Only if `tried` there are trials.
     """
     rate = body.motion.rate
-    pattern = np.where(always, "", kinds[hole].astype(str))
+    pattern = np.where(always, "", np.array(HOLE_KINDS)[kinds[hole]])
     margin = round(NEAR_SECONDS * rate)
     near = slice(max(hole.start - margin, 0), hole.stop + margin)
     clip = Body(body.motion.at(near), body.mean_lengths)
-    missing = kinds[near] != b""
+    missing = kinds[near] > 0
     known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
     trials = trials_in(known & tried, pattern, rate)
     hidden = missing | (trials.kinds != "")
@@ -322,7 +322,7 @@ def on_strengths(
     """The positions (F, 20, 3) for each of `STRENGTHS`."""
     start = on_curves(body.motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
     holes = Holes(body, missing, start)
-    full = corrected(manifold, holes.features, holes.mask, np.ones(holes.mask.shape))
+    full = complete_from_curves(manifold, holes.features, holes.mask, np.ones(holes.mask.shape))
     x0, xn = map(holes.positions_of, (holes.features, full))
     yield from (x0 + s * (xn - x0) for s in STRENGTHS)
 

@@ -29,7 +29,7 @@ import numpy as np
 from numpy_cae.cleanup.curves import at_about_thirty
 from numpy_cae.cleanup.finding import Finding, confidence
 from numpy_cae.cleanup.holes import Holes
-from numpy_cae.manifold.filling import corrected
+from numpy_cae.manifold.filling import complete_from_curves
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.mocap.rigs.recognise import rig_of
@@ -296,7 +296,7 @@ def _levels_of_model(
     hole = slice(first - start, end - start)
     holes = Holes(Body(near, manifold.lengths), joint_mask(len(near), TURNED_JOINTS[name], hole))
     strength = np.ones(holes.mask.shape)
-    filled = holes.filled(corrected(manifold, holes.features, holes.mask, strength))
+    filled = holes.filled(complete_from_curves(manifold, holes.features, holes.mask, strength))
     joint, child = rig_of(motion).joints[JOINTS.index(name) :][:2]
     known = filled.rotations[hole]
     present = near.rotations[hole]

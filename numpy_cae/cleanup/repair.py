@@ -32,7 +32,7 @@ from numpy_cae.cleanup.presets import Preset
 from numpy_cae.cleanup.repaired import Repaired, distances, joined, repaired_of
 from numpy_cae.cleanup.spikes import find_spikes
 from numpy_cae.cleanup.still import find_still, find_t_pose, is_held
-from numpy_cae.manifold.filling import checked_mask
+from numpy_cae.manifold.filling import require_mask
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion.masks import widen_runs
@@ -339,6 +339,6 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     all joints: frames 1 to 9, 11 to 19: moved 3.7 cm, at most 24.0
     """
     require_finite(motion)
-    missing = checked_mask(missing, len(motion))
+    missing = require_mask(missing, len(motion))
     filled = filled_by(manifold, Body(motion, manifold.lengths), marked(missing))
     return Repaired(filled, missing, distances(motion, filled), original=motion)

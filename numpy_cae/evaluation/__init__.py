@@ -58,13 +58,14 @@ def clip_distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """
     from scipy.spatial.distance import cdist  # slow to import, and seldom used
 
-    one, other = (np.asarray(x, dtype=np.float64).reshape(len(x), -1) for x in (a, b))
-    return cdist(one, other) / np.sqrt(one.shape[1])
+    rows = np.asarray(a, dtype=np.float64).reshape(len(a), -1)
+    columns = np.asarray(b, dtype=np.float64).reshape(len(b), -1)
+    return cdist(rows, columns) / np.sqrt(rows.shape[1])
 
 
-def nearest_distance(clips: np.ndarray, others: np.ndarray) -> float:
-    """The mean over the clips of the distance to the nearest of the others."""
-    return float(clip_distances(clips, others).min(axis=1).mean())
+def nearest_distance(clips: np.ndarray, references: np.ndarray) -> float:
+    """The mean over the clips of the distance to the nearest of the reference clips."""
+    return float(clip_distances(clips, references).min(axis=1).mean())
 
 
 def diversity(clips: np.ndarray) -> float:
@@ -86,9 +87,9 @@ def nearest_neighbour_accuracy(real: np.ndarray, samples: np.ndarray) -> float:
     ValueError
         If their numbers differ.
     """
-    together = np.concatenate([real, samples])
-    is_real = np.arange(len(together)) < len(real)
-    distances = clip_distances(together, together)
+    clips = np.concatenate([real, samples])
+    is_real = np.arange(len(clips)) < len(real)
+    distances = clip_distances(clips, clips)
     np.fill_diagonal(distances, np.inf)
     return float(np.mean(is_real[distances.argmin(axis=1)] == is_real))
 

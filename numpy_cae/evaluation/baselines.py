@@ -34,11 +34,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy_cae.fast.thread_team import one_blas_thread
 
 TAPS = 15
-"""TAPS: frames of a row, as many as a filter of holden2015 has."""
-TOGETHER = 7
-"""TOGETHER: the frames in the middle of a row that `Gaussian.complete` takes from it."""
+"""Frames of a row, as many as a filter of holden2015 has."""
+MIDDLE = 7
+"""The frames in the middle of a row that `Gaussian.complete` takes from it."""
 RIDGE = 3e-4
-"""RIDGE: this share of the mean of the diagonal of S, or of M, is added to the diagonal. With 1e-6
+"""This share of the mean of the diagonal of S, or of M, is added to the diagonal. With 1e-6
 the Gaussian is a little better on takes like those it is fitted to, and four times worse on takes
 of another source (docs/lab_book/other_sources.md)."""
 
@@ -62,7 +62,7 @@ class Gaussian:
         total = np.zeros(size)
         self.second = np.zeros((size, size))
         for window, counts in zip(windows, real, strict=True):
-            z = contexts(window)[counts]
+            z = gather_context(window)[counts]
             total += z.sum(axis=0)
             self.second += z.T @ z
         frames = np.count_nonzero(real)
@@ -72,31 +72,38 @@ class Gaussian:
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).
 
-        Frames 0 to 6, 7 to 13, … (`TOGETHER`) are each estimated from the row z in whose middle
+        Frames 0 to 6, 7 to 13, … (`MIDDLE`) are each estimated from the row z in whose middle
         they are. Frames beyond a window are unknown.
         """
         covariance = _with_ridge(self.second - np.outer(self.mean, self.mean))
-        before = (TAPS - TOGETHER) // 2
-        around = ((0, 0), (before, TAPS), (0, 0))
-        rows = np.pad(x, around)
-        seen = np.pad(known, around)
+        before = (TAPS - MIDDLE) // 2
+        padding = ((before, TAPS), (0, 0))
         estimates = np.array(x, dtype=np.float64)
         with one_blas_thread():  # two threads wait for each other longer than they compute
-            for window, start in np.ndindex(len(x), -(-x.shape[1] // TOGETHER)):
-                frames = slice(start * TOGETHER, start * TOGETHER + TAPS)
-                o = np.flatnonzero(seen[window, frames])
-                part = estimates[window, frames.start : frames.start + TOGETHER]
-                if seen[window, frames][before : before + len(part)].all():
-                    continue
-                gap = rows[window, frames].ravel()[o] - self.mean[o]
-                weights = np.zeros(len(self.mean))
-                weights[o] = np.linalg.solve(covariance[np.ix_(o, o)], gap)
-                row = (self.mean + covariance @ weights).reshape(TAPS, -1)
-                part[...] = row[before : before + len(part)]
+            for window, mask, estimate in zip(x, known, estimates, strict=True):
+                padded = np.pad(window, padding)
+                padded_mask = np.pad(mask, padding)
+                for start in range(0, len(window), MIDDLE):
+                    z = padded[start : start + TAPS]
+                    is_known = padded_mask[start : start + TAPS]
+                    middle = slice(start, min(start + MIDDLE, len(window)))
+                    if mask[middle].all():
+                        continue
+                    row = self._complete_row(z.ravel(), is_known.ravel(), covariance)
+                    estimate[middle] = row.reshape(TAPS, -1)[before:][: middle.stop - start]
         return np.where(known, x, estimates)
 
+    def _complete_row(
+        self, z: np.ndarray, is_known: np.ndarray, covariance: np.ndarray
+    ) -> np.ndarray:
+        """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (TAPS · C,)."""
+        o = np.flatnonzero(is_known)
+        weights = np.zeros(len(self.mean))
+        weights[o] = np.linalg.solve(covariance[np.ix_(o, o)], z[o] - self.mean[o])
+        return self.mean + covariance @ weights
+
     def linear_map(self, p: float) -> np.ndarray:
-        """A for values that are zero with probability p, (TAPS · C, C): `filtered` applies it."""
+        """A for values that are zero with probability p, (TAPS · C, C); see `apply_linear_map`."""
         size = len(self.mean) // TAPS
         middle = slice(TAPS // 2 * size, (TAPS // 2 + 1) * size)
         m = (1 - p) ** 2 * self.second
@@ -104,12 +111,12 @@ class Gaussian:
         return np.linalg.solve(_with_ridge(m), (1 - p) * self.second[:, middle])
 
 
-def filtered(x: np.ndarray, a: np.ndarray) -> np.ndarray:
+def apply_linear_map(x: np.ndarray, a: np.ndarray) -> np.ndarray:
     """z A of every frame of windows (N, T, C); frames beyond a window are zero."""
-    return np.stack([contexts(window) @ a for window in x])
+    return np.stack([gather_context(window) @ a for window in x])
 
 
-def contexts(window: np.ndarray) -> np.ndarray:
+def gather_context(window: np.ndarray) -> np.ndarray:
     """z: the `TAPS` frames around each frame as one row, (T, C) to (T, TAPS · C)."""
     padded = np.pad(window, ((TAPS // 2, TAPS // 2), (0, 0)))
     around = sliding_window_view(padded, TAPS, axis=0)  # (T, C, TAPS)
@@ -152,8 +159,8 @@ class PCA:
         if len(rows) >= rows.shape[1]:
             return cls(mean, np.linalg.eigh(x.T @ x)[1].T[::-1])
         spread, vectors = np.linalg.eigh(x @ x.T)
-        kept = np.flatnonzero(spread > NO_VARIANCE * spread[-1])[::-1]
-        return cls(mean, vectors.T[kept] @ x / np.sqrt(spread[kept, None]))
+        varying = np.flatnonzero(spread > NO_VARIANCE * spread[-1])[::-1]
+        return cls(mean, vectors.T[varying] @ x / np.sqrt(spread[varying, None]))
 
     def project(self, x: np.ndarray, size: int | None) -> np.ndarray:
         """The nearest points on the manifold of the first `size` axes, or of all where None, in the

@@ -20,9 +20,9 @@ import numpy as np
 from scipy.interpolate import pchip_interpolate
 
 from numpy_cae.evaluation import angle_distance, position_error
-from numpy_cae.evaluation.baselines import PCA, Gaussian, filtered
+from numpy_cae.evaluation.baselines import PCA, Gaussian, apply_linear_map
 from numpy_cae.manifold import MotionManifold, SequenceManifold
-from numpy_cae.manifold.completion import interpolated, zeroed_fraction
+from numpy_cae.manifold.completion import interpolate_gaps, zeroed_fraction
 from numpy_cae.motion import AngleSequence, cut_clips, cut_windows
 from numpy_cae.training import zero_values
 
@@ -53,16 +53,23 @@ class Table:
     def text(self) -> str:
         """The caption and the table in Markdown's form, padded for a terminal: the first column is
         left-aligned, the others right-aligned."""
-        one = isinstance(self.formats, str)
-        formats = [self.formats] * len(self.header) if one else self.formats
+        formats = self.formats
+        if isinstance(formats, str):
+            formats = [formats] * len(self.header)
         columns: list[list[str]] = []
-        for form, *values in zip(formats, self.header, *self.rows, strict=True):
-            cells = [_printed(value, form) for value in values]
+        for number_format, *values in zip(formats, self.header, *self.rows, strict=True):
+            cells = [_format_cell(value, number_format) for value in values]
             width = max(map(len, cells))
-            heading, *padded = (f" {cell:{'>' if columns else '<'}{width}} " for cell in cells)
-            columns.append([heading, "-" * (width + 1) + "-:"[bool(columns)], *padded])
+            is_first = not columns
+            heading, *padded = [
+                f" {cell.ljust(width) if is_first else cell.rjust(width)} " for cell in cells
+            ]
+            rule = "-" * (width + 2) if is_first else "-" * (width + 1) + ":"
+            columns.append([heading, rule, *padded])
         lines = ["|" + "|".join(row) + "|" for row in zip(*columns, strict=True)]
-        return "\n".join([self.caption, "", *lines] if self.caption else lines)
+        if self.caption:
+            lines = [self.caption, "", *lines]
+        return "\n".join(lines)
 
     def value(self, row: str, column: str) -> object:
         """The value in the row of that name, the column of that heading."""
@@ -70,10 +77,12 @@ class Table:
         return values[list(self.header).index(column)]
 
 
-def _printed(value: object, form: str) -> str:
+def _format_cell(value: object, number_format: str) -> str:
+    if value is None:
+        return ""
     if isinstance(value, float | np.floating):
-        return "" if np.isnan(value) else format(float(value), form)
-    return "" if value is None else str(value)
+        return "" if np.isnan(value) else format(float(value), number_format)
+    return str(value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +102,7 @@ class Clips:
         gap = (x[self.real] - self.x[self.real]) / self.manifold.scale  # the mean pose cancels
         return position_error(gap, np.zeros(gap.shape[-1]), joint=joint)
 
-    def evenly(self, count: int) -> Clips:
+    def pick_evenly(self, count: int) -> Clips:
         """At most `count` of the windows, evenly spaced."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
         return replace(self, x=self.x[chosen], real=self.real[chosen], take=self.take[chosen])
@@ -109,9 +118,10 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
         raise ValueError("there are no takes to cut into windows")
     length = manifold.window
     cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
-    numbers = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
     x = np.concatenate([manifold.normalise(windows) for windows, _ in cut])
-    return Clips(manifold, x, np.concatenate([real for _, real in cut]), numbers)
+    real = np.concatenate([real for _, real in cut])
+    take = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
+    return Clips(manifold, x, real, take)
 
 
 P = 0.5
@@ -125,6 +135,7 @@ DAMAGED = "as damaged"
 PRINCIPAL = "PCA on windows, input / (1 - p)"
 LINEAR = "linear map of 15 frames"
 NETWORK = "the network"
+AVERAGED = "the network, averaged over shifts"
 LINES = "mask: linear interpolation"
 PCHIP = "mask: monotone cubic (PCHIP)"
 SPLINE = "mask: limited cubic spline"
@@ -141,7 +152,7 @@ NOTE = (
 )
 
 
-def half_removed(
+def compare_repairs(
     manifold: MotionManifold,
     training: Sequence[np.ndarray],
     testing: Sequence[np.ndarray],
@@ -153,11 +164,12 @@ def half_removed(
     Takes are world positions (F, 20, 3); baselines are fitted to those for training. The seed draws
     the values that are removed. `NOTE` says how the table is read.
     """
-    fitted, test = (clips_of(manifold, takes) for takes in (training, testing))
+    fitted = clips_of(manifold, training)
+    test = clips_of(manifold, testing)
     damaged = zero_values(test.x, P, np.random.default_rng(seed))
     before = test.error(damaged)
     rows = []
-    for name, undamaged, repaired in Repairs(manifold, fitted).of(test, damaged, P):
+    for name, undamaged, repaired in Repairs(manifold, fitted).apply(test, damaged, P):
         error = test.error(repaired)
         rows.append([name, test.error(undamaged), error, error / before])
     title = f"{len(testing)} test takes, {len(test)} windows, errors in cm:"
@@ -169,11 +181,11 @@ class Repairs:
 
     def __init__(self, manifold: MotionManifold, training: Clips):
         self.manifold = manifold
-        fitted = training.evenly(FITTED)
+        fitted = training.pick_evenly(FITTED)
         self.pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
         self.gaussian = Gaussian(fitted.x, fitted.real)
 
-    def of(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
+    def apply(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
         """The name of each method, and what it makes of the undamaged windows and of the damaged
         ones, in which zeros, a share p of the values, are missing."""
         x = test.x
@@ -182,33 +194,38 @@ class Repairs:
         divided = damaged / (1 - zeroed_fraction(damaged))
         size = min(SIZES, key=lambda n: test.error(self.pca.project(divided, n)))
         yield PRINCIPAL, self.pca.project(x, size), self.pca.project(divided, size)
-        weights = self.gaussian.linear_map(p)
-        yield LINEAR, filtered((1 - p) * x, weights), filtered(damaged, weights)
-        for name, shifts in ((NETWORK, False), (f"{NETWORK}, averaged over shifts", True)):
-            yield name, *(self.manifold.project_windows(each, shifts) for each in (x, damaged))
+        a = self.gaussian.linear_map(p)
+        yield LINEAR, apply_linear_map((1 - p) * x, a), apply_linear_map(damaged, a)
+        project = self.manifold.project_windows
+        yield NETWORK, project(x), project(damaged)
+        yield AVERAGED, project(x, average_shifts=True), project(damaged, average_shifts=True)
         known = damaged != 0
-        yield LINES, x, by_column(damaged, known, np.interp)
-        yield PCHIP, x, by_column(damaged, known, _pchip)
-        yield SPLINE, x, interpolated(damaged, known)
+        yield LINES, x, interpolate_columns(damaged, known, np.interp)
+        yield PCHIP, x, interpolate_columns(damaged, known, _pchip)
+        yield SPLINE, x, interpolate_gaps(damaged, known)
         yield GAUSSIAN, x, self.gaussian.complete(damaged, known)
         yield COMPLETED, x, self.manifold.complete_windows(damaged, known)
 
 
-def by_column(x: np.ndarray, known: np.ndarray, curve: Callable[..., np.ndarray]) -> np.ndarray:
-    """Windows (N, T, C) interpolated over time by curve(frames, known frames, known values), each
+def interpolate_columns(
+    x: np.ndarray, known: np.ndarray, curve: Callable[..., np.ndarray]
+) -> np.ndarray:
+    """Interpolate windows (N, T, C) over time by curve(frames, known frames, known values), each
     column by itself; before the first and after the last known value this value is repeated, and a
     column without one is zero."""
-    filled = np.zeros_like(x)
+    interpolated = np.zeros_like(x)
     frames = np.arange(x.shape[1])
     for window, column in np.argwhere(known.any(axis=1)):
         keys = np.flatnonzero(known[window, :, column])
         inside = frames.clip(keys[0], keys[-1])
-        filled[window, :, column] = curve(inside, keys, x[window, keys, column])
-    return filled
+        interpolated[window, :, column] = curve(inside, keys, x[window, keys, column])
+    return interpolated
 
 
 def _pchip(frames: np.ndarray, keys: np.ndarray, values: np.ndarray) -> np.ndarray:
-    return pchip_interpolate(keys, values, frames) if len(keys) > 1 else values
+    if len(keys) == 1:
+        return values
+    return pchip_interpolate(keys, values, frames)
 
 
 BY_PCA = "PCA"
@@ -219,7 +236,7 @@ PCA_CLIPS = 1500
 Takes = Sequence[AngleSequence]
 
 
-def reconstruction(
+def compare_reconstructions(
     name: str, manifold: SequenceManifold, training: Takes, testing: Takes, seed: int = 0
 ) -> Table:
     """Measure the manifold of an action on clips of test motions.
@@ -229,10 +246,10 @@ def reconstruction(
     latent = manifold.network.latent
     x = manifold.normalise(cut_clips(testing, frames=manifold.frames))
     rng = np.random.default_rng(seed)
-    learned = manifold.random_clips(training, rng, PCA_CLIPS)
+    fitted = manifold.random_clips(training, rng, PCA_CLIPS)
     reconstructions = {
         NETWORK: manifold.network.denoise(x),
-        BY_PCA: PCA.fit(learned.reshape(PCA_CLIPS, -1)).project(x, latent),
+        BY_PCA: PCA.fit(fitted.reshape(PCA_CLIPS, -1)).project(x, latent),
         MEAN: np.zeros_like(x),
         HELD: np.broadcast_to(x[:, :1], x.shape),
     }

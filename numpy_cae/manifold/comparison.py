@@ -48,7 +48,7 @@ def hidden_units(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
     if len(features) == 0:
         raise ValueError("features have no frames to encode")
     before = -(-manifold.receptive_radius // manifold.stride)
-    padded = manifold.padded(manifold.normalise(features)[None], before * manifold.stride)
+    padded = manifold.pad(manifold.normalise(features)[None], before * manifold.stride)
     # The ⌈frames / stride⌉ hidden frames after those of the padding:
     return manifold.network.encode(padded)[0, before : before - (-len(features) // manifold.stride)]
 
@@ -94,7 +94,7 @@ def G(y_0: np.ndarray, y_1: np.ndarray) -> float:
 
 
 def distance_matrix(
-    signatures: Sequence[np.ndarray], others: Sequence[np.ndarray] | None = None
+    signatures: Sequence[np.ndarray], columns: Sequence[np.ndarray] | None = None
 ) -> np.ndarray:
     """`G` of all pairs of motions, from their signatures.
 
@@ -103,8 +103,8 @@ def distance_matrix(
 
     Parameters
     ----------
-    signatures, others : M and N arrays (2k,)
-        The others are the same motions where None.
+    signatures, columns : M and N arrays (2k,)
+        Of the motions of the rows and of the columns; the same motions where `columns` is None.
 
     Returns
     -------
@@ -117,5 +117,5 @@ def distance_matrix(
            [1., 0.]])
     """
     rows = np.asarray(signatures, dtype=np.float64)
-    columns = rows if others is None else np.asarray(others, dtype=np.float64)
-    return np.array([np.sum((row - columns) ** 2, axis=-1) for row in rows])
+    compared = rows if columns is None else np.asarray(columns, dtype=np.float64)
+    return np.array([np.sum((row - compared) ** 2, axis=-1) for row in rows])

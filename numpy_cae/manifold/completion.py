@@ -13,7 +13,7 @@ averaged over all shifts of the pooling grid, which takes as long as eight proje
 every step it makes no better result (docs/lab_book/filling.md). The known values never change, and
 at their neighbours there is no jump.
 
-`interpolated` is I. Where an unknown share of the values was lost (holden2015, section 7),
+`interpolate_gaps` is I. Where an unknown share of the values was lost (holden2015, section 7),
 `zeroed_fraction` estimates that share from the motion. `project_shifted` averages projections over
 all shifts of the pooling grid.
 """
@@ -25,7 +25,7 @@ import numpy as np
 from numpy_cae.models import ConvAutoencoder
 
 WINDOWS_AT_ONCE = 64
-"""WINDOWS_AT_ONCE: at most this many windows are projected together, to bound memory."""
+"""At most this many windows are projected together, to bound memory."""
 
 
 def zeroed_fraction(x: np.ndarray) -> np.ndarray:
@@ -54,37 +54,40 @@ def project_shifted(
     differs a little. The errors of the different shifts partly cancel in their mean.
 
     S_s X has s frames of zeros before X and stride - s after it, as the convolution's own padding;
-    S_0 X is X. A clip is first lengthened by repeating its ends (`MotionManifold.padded`), and then
+    S_0 X is X. A clip is first lengthened by repeating its ends (`MotionManifold.pad`), and then
     shifted as a whole.
 
     Normalised windows (B, T, C) give an array of that shape. Unless `average_shifts` it is the
     plain projection, s = 0.
     """
     shifts = network.stride if average_shifts else 1
-    together = WINDOWS_AT_ONCE // shifts
-    parts = [x[start : start + together] for start in range(0, len(x), together)]
+    at_once = WINDOWS_AT_ONCE // shifts
+    parts = [x[start : start + at_once] for start in range(0, len(x), at_once)]
     return np.concatenate([_mean_projection(network, part, shifts) for part in parts])
 
 
 def _mean_projection(network: ConvAutoencoder, x: np.ndarray, shifts: int) -> np.ndarray:
     total = network.project(x)
     frames = x.shape[1]
-    # Zeros, as the convolution's own padding, to a whole number of hidden frames.
-    around = [((0, 0), (shift, network.stride - shift), (0, 0)) for shift in range(1, shifts)]
-    if around:
-        shifted = network.project(np.concatenate([np.pad(x, each) for each in around]))
-        for shift, part in enumerate(np.split(shifted, shifts - 1), start=1):
-            total += part[:, shift : shift + frames]
+    if shifts == 1:
+        return total
+    shifted = []
+    for shift in range(1, shifts):
+        # Zeros, as the convolution's own padding, to a whole number of hidden frames.
+        shifted.append(np.pad(x, ((0, 0), (shift, network.stride - shift), (0, 0))))
+    projected = np.split(network.project(np.concatenate(shifted)), shifts - 1)
+    for shift, part in enumerate(projected, start=1):
+        total += part[:, shift : shift + frames]
     return total / shifts
 
 
 WIDE = 12
-"""WIDE: beside a gap of more than this many frames the curve is limited, so that it does not
-overshoot. Chosen on takes of CMU and synthetic ones (docs/lab_book/filling.md)."""
+"""Beside a gap of more than this many frames the curve is limited, so that it does not overshoot.
+Chosen on takes of CMU and synthetic ones (docs/lab_book/filling.md)."""
 
 
-def interpolated(x: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Values interpolated over time through those that are known, each column by itself.
+def interpolate_gaps(x: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Interpolate unknown values over time through those that are known, each column by itself.
 
     The curve is the natural cubic spline. With the known values v_i at the frames t_i, the widths
     h_i = t_{i+1} - t_i, the slopes d_i = (v_{i+1} - v_i) / h_i of the chords and the slopes s_i of
@@ -116,29 +119,41 @@ def interpolated(x: np.ndarray, known: np.ndarray) -> np.ndarray:
     Examples
     --------
     >>> x = np.array([0.0, 9.0, 2.0, 9.0, 9.0, 5.0, 9.0]).reshape(1, 7, 1)
-    >>> interpolated(x, x < 9).ravel().round(3).tolist()
+    >>> interpolate_gaps(x, x < 9).ravel().round(3).tolist()
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0]
     """
     columns = x.swapaxes(1, 2).reshape(-1, x.shape[1])
     mask = known.swapaxes(1, 2).reshape(columns.shape)
+    # The known values of all columns, one column after the other: column, frame and value of each.
     column, key = np.nonzero(mask)
     if len(key) == 0:
         return np.zeros_like(x)
     value = columns[mask]
     slope = _slopes(column, key, value)
-    # The known values before or at each frame, of all columns together, and the next one:
-    count = np.cumsum(mask, axis=1)
-    first = np.concatenate([[0], np.cumsum(count[:, -1])[:-1]])[:, None]
-    last = first + count[:, -1:] - 1
-    some = count[:, -1:] > 0
-    before = np.where(some, np.clip(first + count - 1, first, last), 0)
-    after = np.where(some, np.minimum(first + count, last), 0)
+    before, after = _neighbours(mask)
     width = np.maximum(key[after] - key[before], 1)
     s = np.clip((np.arange(x.shape[1]) - key[before]) / width, 0, 1).astype(x.dtype)
     curve = (1 + 2 * s) * (1 - s) ** 2 * value[before] + s * s * (3 - 2 * s) * value[after]
     curve += width * s * (1 - s) * ((1 - s) * slope[before] - s * slope[after])
-    filled = np.where(mask, columns, np.where(some, curve, 0))
-    return filled.astype(x.dtype).reshape(x.swapaxes(1, 2).shape).swapaxes(1, 2)
+    has_values = mask.any(axis=1, keepdims=True)
+    interpolated = np.where(mask, columns, np.where(has_values, curve, 0))
+    return interpolated.astype(x.dtype).reshape(x.swapaxes(1, 2).shape).swapaxes(1, 2)
+
+
+def _neighbours(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For every frame of columns (N, T), the known value before it or at it, and the next one.
+
+    Both are given by their number among the known values of all columns, one column after the
+    other. Before the first and after the last one of a column both are this one; where a column has
+    none, both are 0, which is not used.
+    """
+    count = np.cumsum(mask, axis=1)
+    counts = count[:, -1:]
+    first = np.cumsum(counts)[:, None] - counts
+    last = first + counts - 1
+    before = np.where(counts > 0, np.clip(first + count - 1, first, last), 0)
+    after = np.where(counts > 0, np.minimum(first + count, last), 0)
+    return before, after
 
 
 def _slopes(column: np.ndarray, key: np.ndarray, value: np.ndarray) -> np.ndarray:
@@ -167,17 +182,17 @@ Interpolate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values over time, and a mask of those that are known, to values that are all known."""
 
 PROJECTIONS = 5
-"""PROJECTIONS: N is at most this."""
+"""N is at most this."""
 SETTLED = 0.1
-"""SETTLED: the last projection follows one that changes the unknown values by less than this share
-of what the first one changed (root mean squares)."""
+"""The last projection follows one that changes the unknown values by less than this share of what
+the first one changed (root mean squares)."""
 
 
-def completed(
+def complete(
     x: np.ndarray,
     known: np.ndarray,
     project: Callable[[np.ndarray, bool], np.ndarray],
-    interpolate: Interpolate = interpolated,
+    interpolate: Interpolate = interpolate_gaps,
     start: np.ndarray | None = None,
     projections: int = PROJECTIONS,
 ) -> np.ndarray:
@@ -203,20 +218,22 @@ def completed(
     array of the shape of x
     """
 
-    def corrected(before: np.ndarray, averaged: bool = False) -> np.ndarray:
-        projected = project(before, averaged)
+    def next_of(x_n: np.ndarray, averaged: bool = False) -> np.ndarray:
+        projected = project(x_n, averaged)
         missed = interpolate(np.where(known, x - projected, 0.0), known)
         return np.where(known, x, projected + missed)
 
-    completed = np.where(known, x, interpolate(x, known) if start is None else start)
+    if start is None:
+        start = interpolate(x, known)
+    x_n = np.where(known, x, start)
     if known.all():
-        return completed
-    first = 0.0
+        return x_n
+    first_change = 0.0
     for _ in range(projections - 1):
-        before = completed
-        completed = corrected(before)
-        change = float(np.linalg.norm(completed - before))
-        first = first or change
-        if change < SETTLED * first:
+        before = x_n
+        x_n = next_of(before)
+        change = float(np.linalg.norm(x_n - before))
+        first_change = first_change or change
+        if change < SETTLED * first_change:
             break
-    return corrected(completed, averaged=True)
+    return next_of(x_n, averaged=True)

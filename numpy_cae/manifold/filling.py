@@ -2,24 +2,24 @@
 
 `fill` has only features, without a rig, and is `MotionManifold.complete` for joints. `fill_motion`
 and `repair` have a motion in a rig: X_0 is the motion whose unknown rotations are on curves
-(`on_curves`), and `corrected` returns X_0 + s (X_N - X_0) for each joint and hole, by the same
-iteration (`manifold.complete`). `repair.holes` chooses the curves and s in the known frames of the
-same motion. There the interpolation I is a curve with the speed of the motion at both ends of the
-hole. Arrays are at thirty frames a second, (F, …).
+(`on_curves`), and `complete_from_curves` returns X_0 + s (X_N - X_0) for each joint and hole, by
+the same iteration (`completion.complete`). `cleanup.holes` chooses the curves and s in the known
+frames of the same motion. There the interpolation I is a curve with the speed of the motion at both
+ends of the hole. Arrays are at thirty frames a second, (F, …).
 """
 
 import numpy as np
 
-from numpy_cae.manifold.completion import completed
+from numpy_cae.manifold.completion import complete
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion import JOINTS, PARENTS, RATE
 from numpy_cae.motion.features import POSITIONS, local_positions
 from numpy_cae.motion.hole_curves import interpolate_values
 from numpy_cae.motion.masks import runs_with
 
-AGAIN = 4
-"""AGAIN: after a first projection of all joints, legs are projected this many times by
-`corrected`. Chosen on sources left out of training (docs/lab_book/filling.md)."""
+LEG_PROJECTIONS = 4
+"""After a first projection of all joints, `complete_from_curves` projects legs this many times.
+Chosen on sources left out of training (docs/lab_book/filling.md)."""
 _ARMS = range(JOINTS.index("left_collar"), JOINTS.index("left_hip"))
 _LEGS = range(JOINTS.index("left_hip"), len(JOINTS))
 _ENDS = [joint for joint in range(len(JOINTS)) if joint not in PARENTS]
@@ -63,16 +63,16 @@ def fill(manifold: MotionManifold, features: np.ndarray, missing: np.ndarray) ->
     >>> print(np.linalg.norm(gap.reshape(-1, 20, 3), axis=-1)[missing].mean().round(2))
     0.06
     """
-    missing = checked_mask(missing, len(features))
+    missing = require_mask(missing, len(features))
     known = np.ones(features.shape, dtype=bool)
     known[:, POSITIONS] = ~np.repeat(missing, 3, axis=1)
     return manifold.complete(features, known)
 
 
-def corrected(
+def complete_from_curves(
     manifold: MotionManifold, features: np.ndarray, missing: np.ndarray, strength: np.ndarray
 ) -> np.ndarray:
-    """A motion that starts on the rotation curves of its rig, corrected by the manifold.
+    """Complete a motion whose missing joints start on the rotation curves of its rig.
 
     Parameters
     ----------
@@ -90,43 +90,49 @@ def corrected(
         Only the missing joints differ from `features`.
     """
     features = np.array(features, dtype=np.float64)
-    always = np.asarray(missing.all(axis=0))
+    always_missing = np.asarray(missing.all(axis=0))
     points = local_positions(features)  # a view
-    points[:, always] = manifold.mean_pose[POSITIONS].reshape(-1, 3)[always]
-    share = np.where(always, 1.0, strength) * missing
+    points[:, always_missing] = manifold.mean_pose[POSITIONS].reshape(-1, 3)[always_missing]
+    share = np.where(always_missing, 1.0, strength) * missing
     if not share.any():
         return features
 
     def project(points: np.ndarray, _averaged: bool) -> np.ndarray:
-        moved = features.copy()
-        local_positions(moved)[...] = points
-        return local_positions(manifold.project(moved, average_shifts=True))
+        with_points = features.copy()
+        local_positions(with_points)[...] = points
+        return local_positions(manifold.project(with_points, average_shifts=True))
 
     def interpolate(values: np.ndarray, known: np.ndarray) -> np.ndarray:
         return interpolate_values(values, ~known[..., 0], RATE)
 
-    legs = np.repeat((kinds_of_holes(missing) == b"leg")[..., None], 3, axis=-1)
+    is_leg = classify_holes(missing) == HOLE_KINDS.index("leg")
     known = ~np.repeat(missing[..., None], 3, axis=-1)
-    once = completed(points, known, project, interpolate, points, projections=1)
-    found = completed(once, ~legs, project, interpolate, once, AGAIN)
-    points += share[..., None] * (found - points)
+    known_but_legs = ~np.repeat(is_leg[..., None], 3, axis=-1)
+    once = complete(points, known, project, interpolate, points, projections=1)
+    x_n = complete(once, known_but_legs, project, interpolate, once, LEG_PROJECTIONS)
+    points += share[..., None] * (x_n - points)
     return features
 
 
-def kinds_of_holes(missing: np.ndarray) -> np.ndarray:
-    """The kind of hole in which each missing joint of a mask (F, 20) is, bytes (F, 20), else b"".
+HOLE_KINDS = ("", "end", "arm", "leg", "pose")
+"""Kinds of holes, by the number that `classify_holes` gives them. "": not missing; "end": the end
+of a limb alone, such as a wrist whose elbow is known; "arm", "leg": a joint of a limb; "pose": a
+joint of the trunk, and any joint of a hole in which the hips are missing."""
 
-    "end": the end of a limb alone, such as a wrist whose elbow is known; "arm", "leg": a joint of
-    a limb; "pose": a joint of the trunk, and any joint of a hole in which the hips are missing.
-    Text would take four times the memory of bytes, 0.6 GB for an hour at 120 Hz.
-    """
-    kinds = np.full(missing.shape, b"pose")
-    kinds[:, _ARMS] = b"arm"
-    kinds[:, _LEGS] = b"leg"
+
+def classify_holes(missing: np.ndarray) -> np.ndarray:
+    """The kind of hole in which each joint of a mask (F, 20) is: int8 (F, 20), an index of
+    `HOLE_KINDS`."""
+    end, arm, leg, pose = range(1, len(HOLE_KINDS))
+    kinds = np.full(missing.shape, pose, dtype=np.int8)
+    kinds[:, _ARMS] = arm
+    kinds[:, _LEGS] = leg
     with_parent = runs_with(missing, missing[:, [0, *PARENTS[1:]]])
-    kinds[:, _ENDS] = np.where(with_parent, kinds, b"end")[:, _ENDS]
+    kinds[:, _ENDS] = np.where(with_parent, kinds, end)[:, _ENDS]
     with_hips = runs_with(missing, np.repeat(missing[:, :1], len(JOINTS), axis=1))
-    return np.where(missing, np.where(with_hips, b"pose", kinds), b"")
+    kinds[with_hips] = pose
+    kinds[~missing] = 0
+    return kinds
 
 
 def keyframe_mask(frames: int, every: int) -> np.ndarray:
@@ -163,8 +169,8 @@ def keyframe_mask(frames: int, every: int) -> np.ndarray:
     return np.repeat(between[:, None], len(JOINTS), axis=1)
 
 
-def checked_mask(missing: np.ndarray, frames: int) -> np.ndarray:
-    """The mask as an array of bool; ValueError unless it is (frames, 20)."""
+def require_mask(missing: np.ndarray, frames: int) -> np.ndarray:
+    """Return the mask as an array of bool; ValueError unless it is (frames, 20)."""
     if np.shape(missing) != (frames, len(JOINTS)):
         raise ValueError(f"missing has shape {np.shape(missing)}, expected ({frames}, 20)")
     return np.asarray(missing, dtype=bool)

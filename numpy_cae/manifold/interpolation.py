@@ -11,7 +11,7 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.features import POSITIONS, TURN, VELOCITY, trajectory_of
 
 TRANSITION = "transition"
-"""TRANSITION: the share that grows from 0 at the first frame to 1 at the last."""
+"""The share that grows from 0 at the first frame to 1 at the last."""
 
 
 def shares(share: float | str, steps: int) -> np.ndarray:
@@ -66,12 +66,13 @@ def interpolate(
     frames = min(len(first), len(second))
     if frames == 0:
         raise ValueError("a motion has no frames to interpolate")
-    one, other = (manifold.encode(features[:frames]) for features in (first, second))
+    y_0 = manifold.encode(first[:frames])
+    y_1 = manifold.encode(second[:frames])
     # A hidden frame is made from 8 frames; the first begins `receptive_radius` before the clip.
-    middles = (np.arange(len(one)) + 0.5) * manifold.stride - 0.5 - manifold.receptive_radius
+    middles = (np.arange(len(y_0)) + 0.5) * manifold.stride - 0.5 - manifold.receptive_radius
     nearest = np.clip(middles.round().astype(int), 0, frames - 1)
-    s = shares(share, frames)[nearest].astype(one.dtype)
-    return manifold.decode((1 - s) * one + s * other, frames)
+    s = shares(share, frames)[nearest].astype(y_0.dtype)
+    return manifold.decode((1 - s) * y_0 + s * y_1, frames)
 
 
 def with_path(
@@ -84,7 +85,8 @@ def with_path(
     In a transition the weight is `share_of_path`. Arguments as in `interpolate`.
     """
     frames = len(between)
-    first, second = first[:frames], second[:frames]
+    first = first[:frames]
+    second = second[:frames]
     s = share_of_path(first, second) if share == TRANSITION else shares(share, frames)
     on_path = between.copy()
     pose = on_path[:, POSITIONS].reshape(frames, -1, 3)
@@ -116,8 +118,8 @@ def share_of_path(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     if len(first) < 3:
         return shares(TRANSITION, len(first))
     paths = [trajectory_of(features)[0] for features in (first, second)]
-    own, other = np.linalg.norm(np.diff(paths, 2, axis=1), axis=-1)
-    even = np.linspace(0.0, 1.0, len(own))
-    largest = max(own.max(), other.max()) + 1e-9  # s grows evenly where nothing accelerates
-    growth = largest - (1 - even) * own - even * other
+    a_first, a_second = np.linalg.norm(np.diff(paths, 2, axis=1), axis=-1)
+    even = np.linspace(0.0, 1.0, len(a_first))
+    largest = max(a_first.max(), a_second.max()) + 1e-9  # s grows evenly if nothing accelerates
+    growth = largest - (1 - even) * a_first - even * a_second
     return np.concatenate([[0.0], np.cumsum(growth) / growth.sum(), [1.0]])[:, None]

@@ -17,31 +17,32 @@ from numpy_cae.training.state import HELD_OUT
 
 Report = Callable[[training.TrainingState], None]
 MAX_WINDOW_RMS = 2.0
-"""MAX_WINDOW_RMS: all features are scaled down until no window has a root mean square of more than
+"""All features are scaled down until no window has a root mean square of more than
 this times that of all: a person lying down among people standing would make training diverge."""
 MIN_SPREAD = 1e-3
-"""MIN_SPREAD: a spread (m, rad) smaller than this may be rounding error. Instead of it a sequential
+"""A spread (m, rad) smaller than this may be rounding error. Instead of it a sequential
 network divides by 1, and a convolutional one by MIN_SPREAD."""
 HIDDEN = 128
-"""HIDDEN: units of each GRU. jang2018 states neither this number nor the next two
+"""Units of each GRU. jang2018 states neither this number nor the next two
 (docs/lab_book/sequence_claims.md)."""
 LATENT = 8
-"""LATENT: the size of z."""
+"""The size of z."""
 BURN_IN = 5
-"""BURN_IN: steps of the decoder before the first frame."""
+"""Steps of the decoder before the first frame."""
 MOST_MEASURED = 20
-"""MOST_MEASURED: the error while a network learns is that of at most so many test takes."""
+"""The error while a network learns is that of at most so many test takes."""
 CLIP_STEP = 5
-"""CLIP_STEP: the mean and deviation are computed from clips that start this many frames apart, or
+"""The mean and deviation are computed from clips that start this many frames apart, or
 further apart where there would be more than `MOST_CLIPS` of them."""
 MOST_CLIPS = 4000
-"""MOST_CLIPS: the mean and deviation are computed from about this many clips, to bound memory."""
+"""The mean and deviation are computed from about this many clips, to bound memory."""
 
 
 def learn_manifold(
     takes: Sequence[np.ndarray],
     schedule: training.Schedule | None = None,
     seed: int = 0,
+    *,
     window: int = LENGTH,
     overlap: int | None = None,
     filters: Sequence[int] = (64, 128, 256),
@@ -106,19 +107,10 @@ def learn_manifold(
     network = with_engine(network, engine)
     if window % network.stride:
         raise ValueError(f"window is {window}, expected a multiple of {network.stride}")
-
-    features, lengths = features_on_mean_skeleton(takes, RATE)
-    # The features of a large database are gigabytes: keep them once, as views of one array.
-    frames = np.concatenate(features)
-    features = np.split(frames, np.cumsum([len(take) for take in features])[:-1])
-    mean_pose, scale = _mean_and_scale(frames, features, window, overlap, schedule.rms)
-    manifold = MotionManifold(network, mean_pose, scale, lengths, RATE, window=window)
-    manifold.rescales = schedule.fine_tuning.rescaled
-    windows = _windows(manifold, features, overlap)
-    del features, frames
+    manifold, windows = _normalise_takes(network, takes, window, overlap, schedule)
     if testing:
-        report = with_error(report, manifold, testing)
-    trained = training.train_autoencoder(network, windows, schedule, rng, report, checkpoint)
+        report = report_with_error(report, manifold, testing)
+    state = training.train_autoencoder(network, windows, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,
         "window": window,
@@ -126,35 +118,58 @@ def learn_manifold(
         "takes": len(takes),
         "windows": len(windows),
         "schedule": asdict(schedule),
-        "losses": trained.losses,
+        "losses": state.losses,
     }
     return manifold
 
 
-def with_error(
+def _normalise_takes(
+    network: ConvAutoencoder,
+    takes: Sequence[np.ndarray],
+    window: int,
+    overlap: int,
+    schedule: training.Schedule,
+) -> tuple[MotionManifold, np.ndarray]:
+    """A manifold with the normalisation of takes (F, 20, 3), and their normalised windows."""
+    features, lengths = features_on_mean_skeleton(takes, RATE)
+    # The features of a large database are gigabytes: keep them once, as views of one array.
+    frames = np.concatenate(features)
+    features = np.split(frames, np.cumsum([len(take) for take in features])[:-1])
+    mean_pose, scale = _mean_and_scale(frames, features, window, overlap, schedule.rms)
+    manifold = MotionManifold(network, mean_pose, scale, lengths, RATE, window=window)
+    manifold.rescales = schedule.fine_tuning.rescaled
+    return manifold, _windows(manifold, features, overlap)
+
+
+def report_with_error(
     report: Report | None, manifold: MotionManifold, takes: Sequence[np.ndarray]
 ) -> Report:
-    """The report, after the mean distance (cm) of the joints of takes from their projection was
-    added to the losses of the state, at the end of each epoch in which the whole network learns. Of
-    each take one window is projected, of at most `MOST_MEASURED` takes."""
-    some = takes[:: -(-len(takes) // MOST_MEASURED)]
-    clips = [manifold.features(take)[0][: manifold.window] for take in some]
+    """The report, after the error of the manifold on takes was added to the losses of the state.
 
-    def measured(state: training.TrainingState) -> None:
+    The error is the mean distance (cm) of the joints from their projection. It is measured at the
+    end of each epoch in which the whole network learns, on one window of each take, of at most
+    `MOST_MEASURED` takes.
+    """
+    measured = takes[:: -(-len(takes) // MOST_MEASURED)]
+    clips = [manifold.features(take)[0][: manifold.window] for take in measured]
+
+    def measure_and_report(state: training.TrainingState) -> None:
         if state.step == 0 and not state.name.startswith("layer"):
-            apart = [(manifold.project(clip) - clip)[:, POSITIONS].reshape(-1, 3) for clip in clips]
-            error = 100 * float(np.linalg.norm(np.concatenate(apart), axis=1).mean())
+            offsets = [manifold.project(clip) - clip for clip in clips]
+            vectors = np.concatenate(offsets)[:, POSITIONS].reshape(-1, 3)
+            error = 100 * float(np.linalg.norm(vectors, axis=1).mean())
             state.losses.setdefault(HELD_OUT, []).append(error)
         if report is not None:
             report(state)
 
-    return measured
+    return measure_and_report
 
 
 def learn_sequences(
     sequences: Sequence[AngleSequence],
     schedule: training.SequenceSchedule | None = None,
     seed: int | np.random.Generator = 0,
+    *,
     report: Report | None = None,
     checkpoint: training.Checkpoint | None = None,
     hidden: int = HIDDEN,
@@ -209,16 +224,16 @@ def learn_sequences(
     network = with_engine(network, engine)
     manifold = SequenceManifold(network, *mean_and_deviation(clips), table, bones, frames=frames)
     draw = partial(manifold.random_clips, sequences)
-    trained = training.train_sequential(network, draw, schedule, rng, report, checkpoint)
+    state = training.train_sequential(network, draw, schedule, rng, report, checkpoint)
     manifold.settings = {
         "seed": seed,
         "frames": frames,
         "motions": len(sequences),
         "schedule": asdict(schedule),
-        "losses": {"sequences": trained.losses["sequences"]},
+        "losses": {"sequences": state.losses["sequences"]},
     }
     for term in ("reconstruction", "discrepancy"):
-        manifold.settings[term] = trained.losses.get(term, [])[-1:]
+        manifold.settings[term] = state.losses.get(term, [])[-1:]
     return manifold
 
 
@@ -252,8 +267,9 @@ def _mean_and_scale(
         if part is POSITIONS and spread < MIN_SPREAD:
             raise ValueError("every frame of the takes is the same: there is nothing to learn")
         scale[part] = rms / max(spread, MIN_SPREAD)
-    largest = max(
-        np.sqrt(np.mean(((windows - mean_pose) * scale) ** 2, axis=(1, 2)).max())
-        for windows in (cut_windows(take, window, overlap)[0] for take in features)
-    )
+    largest = 0.0
+    for take in features:
+        windows, _ = cut_windows(take, window, overlap)
+        squares = np.mean(((windows - mean_pose) * scale) ** 2, axis=(1, 2))
+        largest = max(largest, float(np.sqrt(squares.max())))
     return mean_pose, scale * min(1.0, MAX_WINDOW_RMS * rms / largest)

@@ -17,7 +17,7 @@ MAX_FRAMES = 100_000
 """Longest window or clip that a file may state."""
 
 
-def numbers(
+def read_numbers(
     arrays: Arrays, name: str, shape: tuple, least: float = -MAX_NUMBER, most: float = MAX_NUMBER
 ) -> np.ndarray:
     """The array of that name; ValueError unless it has this shape and holds floating-point numbers
@@ -32,7 +32,7 @@ def numbers(
     return array
 
 
-def integer(arrays: Arrays, name: str, least: int, most: int) -> int:
+def read_integer(arrays: Arrays, name: str, least: int, most: int) -> int:
     """The whole number of that name; ValueError unless it is from `least` to `most`."""
     array = arrays[name]
     if array.shape != () or array.dtype.kind != "i" or not least <= array <= most:

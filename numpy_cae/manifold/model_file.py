@@ -10,7 +10,7 @@ import numpy as np
 from numpy_cae.array_file import ModelFileError, load_arrays, one_line
 from numpy_cae.fast import with_engine
 from numpy_cae.manifold import motion_manifold, sequence_manifold
-from numpy_cae.manifold.model_arrays import MAX_RATE, numbers
+from numpy_cae.manifold.model_arrays import MAX_RATE, read_numbers
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold
 
@@ -50,7 +50,7 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
     arrays = load_arrays(path, "a model that `numpy-cae train` wrote", readers)
     try:
         manifold = readers[str(arrays["format"])](arrays)
-        manifold.rate = float(numbers(arrays, "rate", (), 1.0, MAX_RATE))
+        manifold.rate = float(read_numbers(arrays, "rate", (), 1.0, MAX_RATE))
         manifold.settings = json.loads(str(arrays["settings"]))
         if not isinstance(manifold.settings, dict):
             raise ValueError("settings is not a JSON object")

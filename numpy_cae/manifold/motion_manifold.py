@@ -9,18 +9,24 @@ import numpy as np
 
 from numpy_cae.array_file import save_arrays
 from numpy_cae.manifold import completion
-from numpy_cae.manifold import model_arrays as checked
+from numpy_cae.manifold.model_arrays import (
+    MAX_FRAMES,
+    MAX_LENGTH,
+    SMALLEST,
+    read_integer,
+    read_numbers,
+)
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
 from numpy_cae.motion.features import FEATURES, RootTransform, problem_of_lengths
 from numpy_cae.motion.windows import LENGTH
 
 FORMAT = "numpy_cae convolutional manifold 3"
-"""FORMAT: the only format that is read; a file of another version has to be made again."""
+"""The only format that is read; a file of another version has to be made again."""
 MAX_HIDDEN_FRAMES = 120
-"""MAX_HIDDEN_FRAMES: a longer clip is projected in pieces of this length, to bound memory."""
+"""A longer clip is projected in pieces of this length, to bound memory."""
 MAX_PIECES = 400
-"""MAX_PIECES: the number of projected pieces that `remembering` keeps, 0.1 GB."""
+"""The number of projected pieces that `remember_projections` keeps, 0.1 GB."""
 
 
 @dataclass(repr=False, eq=False)
@@ -72,8 +78,8 @@ class MotionManifold:
     def __repr__(self) -> str:
         filters = ", ".join(str(layer.b.size) for layer in self.network.layers)
         takes = self.settings.get("takes", "unknown")
-        plural = "s" * (takes != 1)
-        return f"manifold of layers with {filters} filters, learned from {takes} take{plural}"
+        source = "1 take" if takes == 1 else f"{takes} takes"
+        return f"manifold of layers with {filters} filters, learned from {source}"
 
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
         """The features (F, 63) on the mean skeleton, and the first frame's root transform, of world
@@ -99,34 +105,34 @@ class MotionManifold:
         """Half-width of the receptive field of a hidden frame, in frames of motion."""
         return sum(len(layer.w) // 2 * 2**k for k, layer in enumerate(self.network.layers))
 
-    def padded(self, x: np.ndarray, before: int | None = None) -> np.ndarray:
-        """Normalised windows (N, F, 63), the first and last frames repeated, velocity included, up
-        to a whole number of hidden frames.
+    def pad(self, x: np.ndarray, before: int | None = None) -> np.ndarray:
+        """Lengthen normalised windows (N, F, 63) to a whole number of hidden frames, by repeating
+        their first and last frames, velocity included.
 
         The zeros with which a convolution pads a clip are the mean pose and would distort its ends.
         `before` frames are added at the beginning and as many or a few more at the end:
-        `receptive_radius` where None. `unpadded` removes these.
+        `receptive_radius` where None. `unpad` removes these.
         """
         before = self.receptive_radius if before is None else before
         after = before + -(x.shape[1] + 2 * before) % self.stride
         return np.pad(x, ((0, 0), (before, after), (0, 0)), mode="edge")
 
-    def unpadded(self, x: np.ndarray, frames: int) -> np.ndarray:
-        """Windows (N, …, 63) without what `padded` added; `frames` is their length before."""
+    def unpad(self, x: np.ndarray, frames: int) -> np.ndarray:
+        """Remove from windows (N, …, 63) what `pad` added; `frames` is their length before."""
         return x[:, self.receptive_radius : self.receptive_radius + frames]
 
     def encode(self, features: np.ndarray) -> np.ndarray:
         """Y = Φ(X) of a clip of any length, (F, 63) to (⌈(F + 2 · receptive_radius) / 8⌉, 256).
 
-        The clip is `padded`, so a window of 160 frames has 33 hidden frames here, and 20 in the
-        paper and in `compare.hidden_units`. Values are in [-1, 1].
+        The clip is lengthened by `pad`, so a window of 160 frames has 33 hidden frames here, and 20
+        in the paper and in `comparison.hidden_units`. Values are in [-1, 1].
         """
-        x = self._rescaled(self.normalise(features)[None])
-        return self.network.encode(self.padded(x))[0]
+        x = self._rescale(self.normalise(features)[None])
+        return self.network.encode(self.pad(x))[0]
 
     def decode(self, y: np.ndarray, frames: int) -> np.ndarray:
         """Decode what `encode` returned for a clip of `frames` frames: (frames, 63), float64."""
-        return self.denormalise(self.unpadded(self.network.decode(y[None]), frames)[0])
+        return self.denormalise(self.unpad(self.network.decode(y[None]), frames)[0])
 
     def project(self, features: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """Φ†(Φ(X)), the projection of a clip of any length (holden2015, section 3).
@@ -144,21 +150,20 @@ class MotionManifold:
         -------
         (F, 63) array of float64
         """
-        x = self._rescaled(self.normalise(features)[None])
+        x = self._rescale(self.normalise(features)[None])
         return self.denormalise(self._project_clip(x, average_shifts)[0])
 
     def complete(self, features: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
-        """A clip of which some values are missing, completed (`manifold.complete`).
+        """Complete a clip of which some values are missing (`manifold.completion.complete`).
 
             X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
 
         in normalised features. P is the projection, and I is a cubic spline over time, each
-        feature by itself (`manifold.completion.interpolated` has its equation); before the first
-        and after the last known value this value is repeated. The
-        iteration ends with X_4, or with the first X_{n+1} for which
-        ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more step, in which the projection is
-        averaged over all shifts of the pooling grid, as `project` has it. Memory is that of a
-        projection and about ten arrays of the size of the features.
+        feature by itself (`manifold.completion.interpolate_gaps` has its equation); before the
+        first and after the last known value this value is repeated. The iteration ends with X_4, or
+        with the first X_{n+1} for which ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more
+        step, in which the projection is averaged over all shifts of the pooling grid, as `project`
+        has it. Memory is that of a projection and about ten arrays of the size of the features.
 
         Parameters
         ----------
@@ -208,10 +213,10 @@ class MotionManifold:
 
         def project(x: np.ndarray, averaged: bool) -> np.ndarray:
             x = x.astype(self.network.layers[0].w.dtype)
-            return self._project_clip(self._rescaled(x), averaged).astype(np.float64)
+            return self._project_clip(self._rescale(x), averaged).astype(np.float64)
 
-        found = completion.completed(x, known[None], project)[0]
-        return np.where(known, features, self.denormalise(found))
+        completed = completion.complete(x, known[None], project)[0]
+        return np.where(known, features, self.denormalise(completed))
 
     def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """As `complete`, of normalised windows (N, F, 63) as in training, with zeros around them.
@@ -219,16 +224,17 @@ class MotionManifold:
         To bound memory, `WINDOWS_AT_ONCE` windows are completed together; the iteration ends for
         all of these at the same time.
         """
-        at_once = completion.WINDOWS_AT_ONCE
-        parts = [slice(n, n + at_once) for n in range(0, len(x), at_once)]
-        done = [completion.completed(x[part], known[part], self.project_windows) for part in parts]
-        return np.concatenate(done) if done else x
+        completed = np.empty_like(x)
+        for start in range(0, len(x), completion.WINDOWS_AT_ONCE):
+            part = slice(start, start + completion.WINDOWS_AT_ONCE)
+            completed[part] = completion.complete(x[part], known[part], self.project_windows)
+        return completed
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
         """As `project`, of normalised windows (N, F, 63) as in training, with zeros around them."""
-        return completion.project_shifted(self.network, self._rescaled(x), average_shifts)
+        return completion.project_shifted(self.network, self._rescale(x), average_shifts)
 
-    def remembering(self) -> "MotionManifold":
+    def remember_projections(self) -> "MotionManifold":
         """The same manifold, for repeated projections of a motion that changes in few places: a
         piece that is equal to one projected before is not projected again. The weights must not
         change meanwhile."""
@@ -256,8 +262,8 @@ class MotionManifold:
         >>> load_manifold("model.npz").stride
         8
         """
-        kept = np.float16 if half else None
-        weights = {name: np.asarray(w, kept) for name, w in self.network.parameters.items()}
+        dtype = np.float16 if half else None
+        weights = {name: np.asarray(w, dtype) for name, w in self.network.parameters.items()}
         arrays = {
             "format": np.array(FORMAT),
             "mean_pose": self.mean_pose,
@@ -277,10 +283,10 @@ class MotionManifold:
         """The manifold of a model file's arrays; ValueError or KeyError where they do not fit."""
         if not np.array_equal(arrays["joints"], JOINTS):
             raise ValueError("its twenty joints are not those of this version")
-        lengths = checked.numbers(arrays, "lengths", (len(JOINTS),), 0.0, checked.MAX_LENGTH)
+        lengths = read_numbers(arrays, "lengths", (len(JOINTS),), 0.0, MAX_LENGTH)
         if problem := problem_of_lengths(lengths):
             raise ValueError(f"lengths: {problem}")
-        bound = float(checked.numbers(arrays, "bound", (), checked.SMALLEST, 1 - checked.SMALLEST))
+        bound = float(read_numbers(arrays, "bound", (), SMALLEST, 1 - SMALLEST))
         network = ConvAutoencoder(filters=(), bound=bound)
         # Filters w and biases b of each layer; where one array is missing, this raises KeyError.
         count = -(-sum(name[0] in "wb" and name[1:].isdigit() for name in arrays) // 2)
@@ -289,22 +295,22 @@ class MotionManifold:
         # The weights of the starter model are float16, to save space.
         dtype = np.promote_types(arrays["w1"].dtype, np.float32)
         for layer in range(1, count + 1):
-            w = checked.numbers(arrays, f"w{layer}", (taps, channels, arrays[f"b{layer}"].size))
+            w = read_numbers(arrays, f"w{layer}", (taps, channels, arrays[f"b{layer}"].size))
             channels = w.shape[2]
-            b = checked.numbers(arrays, f"b{layer}", (channels,))
+            b = read_numbers(arrays, f"b{layer}", (channels,))
             network.layers.append(ConvLayer(w.astype(dtype), b.astype(dtype), bound))
         return MotionManifold(
             network,
-            checked.numbers(arrays, "mean_pose", (FEATURES,)),
-            checked.numbers(arrays, "scale", (FEATURES,), checked.SMALLEST),
+            read_numbers(arrays, "mean_pose", (FEATURES,)),
+            read_numbers(arrays, "scale", (FEATURES,), SMALLEST),
             lengths,
-            rescales=bool(checked.integer(arrays, "rescales", 0, 1)),
-            window=checked.integer(arrays, "window", 1, checked.MAX_FRAMES),
+            rescales=bool(read_integer(arrays, "rescales", 0, 1)),
+            window=read_integer(arrays, "window", 1, MAX_FRAMES),
         )
 
     def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:
-        """`project_shifted` of one normalised window (1, F, 63) that is `padded`, in pieces."""
-        x = self.padded(clip)
+        """`project_shifted` of one normalised window (1, F, 63), lengthened by `pad`, in pieces."""
+        x = self.pad(clip)
         projected = np.empty_like(x)
         margin = (2 * self.receptive_radius // self.stride + 2) * self.stride
         piece = MAX_HIDDEN_FRAMES * self.stride
@@ -313,10 +319,10 @@ class MotionManifold:
             first = max(start - margin, 0)
             near = self._project_once(x[:, first : start + piece + margin], average_shifts)
             projected[0, start : start + piece] = near[start - first :][:piece]
-        return self.unpadded(projected, clip.shape[1])
+        return self.unpad(projected, clip.shape[1])
 
     def _project_once(self, x: np.ndarray, average_shifts: bool) -> np.ndarray:
-        """`project_shifted` of one window (1, T, 63), (T, 63); see `remembering`."""
+        """`project_shifted` of one window (1, T, 63), (T, 63); see `remember_projections`."""
         if self._pieces is None:
             return completion.project_shifted(self.network, x, average_shifts)[0]
         digest = blake2b(x.tobytes(), salt=bytes([average_shifts])).digest()
@@ -326,6 +332,8 @@ class MotionManifold:
             self._pieces[digest] = completion.project_shifted(self.network, x, average_shifts)[0]
         return self._pieces[digest]
 
-    def _rescaled(self, x: np.ndarray) -> np.ndarray:
+    def _rescale(self, x: np.ndarray) -> np.ndarray:
         """X_c / (1 - p̂) if the network was trained on such input; p̂ is estimated from x."""
-        return x / (1 - completion.zeroed_fraction(x)) if self.rescales else x
+        if not self.rescales:
+            return x
+        return x / (1 - completion.zeroed_fraction(x))

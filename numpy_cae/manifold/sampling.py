@@ -17,7 +17,7 @@ from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.motion.windows import cut_windows
 
 NEIGHBOURS = 8
-"""NEIGHBOURS: this many windows, the nearest ones, are mixed with the window drawn."""
+"""This many windows, the nearest ones, are mixed with the window drawn."""
 _OVERLAP = 0.25
 """Share of a window over which it is blended into the next."""
 
@@ -50,10 +50,13 @@ def encode_windows(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> np.
     Returns (windows, window / stride, 256); ValueError if no take is as long as a window.
     """
     length = manifold.window
-    cut = [cut_windows(take, length, length // 2)[0] for take in takes if len(take) >= length]
-    if not cut:
+    windows: list[np.ndarray] = []
+    for take in takes:
+        if len(take) >= length:
+            windows.extend(cut_windows(take, length, length // 2)[0])
+    if not windows:
         raise ValueError(f"no take is as long as a window of {length} frames")
-    return np.stack([hidden_units(manifold, window) for window in np.concatenate(cut)])
+    return np.stack([hidden_units(manifold, window) for window in windows])
 
 
 @dataclass(frozen=True, eq=False)

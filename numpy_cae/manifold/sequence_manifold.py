@@ -8,16 +8,22 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.array_file import save_arrays
-from numpy_cae.manifold import model_arrays as checked
+from numpy_cae.manifold.model_arrays import (
+    MAX_FRAMES,
+    MAX_LENGTH,
+    SMALLEST,
+    read_integer,
+    read_numbers,
+)
 from numpy_cae.models.sequential_autoencoder import SequentialAutoencoder, weight_shapes
 from numpy_cae.motion import CLIP, Motion, angles, draw_clips
 
 FORMAT = "numpy_cae sequential manifold 4"
-"""FORMAT: the only format that is read; a file of another version has to be made again."""
+"""The only format that is read; a file of another version has to be made again."""
 MIN_LENGTH = 0.15
-"""MIN_LENGTH: only bones longer than this (m) are compared by MAX_ANGLE."""
+"""Only bones longer than this (m) are compared by MAX_ANGLE."""
 MAX_ANGLE = 30.0
-"""MAX_ANGLE: rigs differ if a bone points more than this (degrees) away from the mean."""
+"""Rigs differ if a bone points more than this (degrees) away from the mean."""
 
 
 @dataclass(eq=False)
@@ -114,17 +120,17 @@ class SequenceManifold:
         columns = len(table.columns)
         latent, hidden = arrays["state_w"].shape
         network = SequentialAutoencoder(columns, hidden=1, latent=1)
-        network.burn_in = checked.integer(arrays, "burn_in", 0, checked.MAX_FRAMES)
+        network.burn_in = read_integer(arrays, "burn_in", 0, MAX_FRAMES)
         for name, shape in weight_shapes(columns, hidden, latent).items():
-            network.weights[name] = checked.numbers(arrays, name, shape).astype(np.float32)
-        bones = len(table.joints), 3
+            network.weights[name] = read_numbers(arrays, name, shape).astype(np.float32)
+        bones = (len(table.joints), 3)
         return SequenceManifold(
             network,
-            checked.numbers(arrays, "mean", (columns,)),
-            checked.numbers(arrays, "deviation", (columns,), checked.SMALLEST),
+            read_numbers(arrays, "mean", (columns,)),
+            read_numbers(arrays, "deviation", (columns,), SMALLEST),
             table,
-            checked.numbers(arrays, "offsets", bones, -checked.MAX_LENGTH, checked.MAX_LENGTH),
-            frames=checked.integer(arrays, "frames", 1, checked.MAX_FRAMES),
+            read_numbers(arrays, "offsets", bones, -MAX_LENGTH, MAX_LENGTH),
+            frames=read_integer(arrays, "frames", 1, MAX_FRAMES),
         )
 
 

@@ -98,7 +98,7 @@ def evenly(takes: Sequence[Take], count: int) -> list[Take]:
 def testing_of(manifold: MotionManifold, material: Material) -> tuple[Clips, str]:
     """The windows to measure on, and a sentence that describes them."""
     testing = clips_of(manifold, [take.positions for take in material.testing])
-    testing = testing.evenly(TESTING_WINDOWS)
+    testing = testing.pick_evenly(TESTING_WINDOWS)
     takes = len(np.unique(testing.take))
     return testing, f"Measured on {len(testing)} windows of {takes} takes not used in training."
 

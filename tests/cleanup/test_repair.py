@@ -172,7 +172,7 @@ def test_pieces_that_do_not_change_are_projected_once(untrained_manifold, monkey
     network, calls = untrained_manifold.network, []
     project = network.project
     monkeypatch.setattr(network, "project", lambda x: calls.append(len(x)) or project(x))
-    remembering = untrained_manifold.remembering()
+    remembering = untrained_manifold.remember_projections()
     for x, right in zip((features, changed, changed), (*expected, expected[1]), strict=True):
         np.testing.assert_array_equal(remembering.project(x), right)
     assert len(calls) == 7 + 1  # one of seven pieces depends on the changed frame

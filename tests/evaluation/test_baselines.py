@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from numpy_cae.evaluation import PCA, baselines
-from numpy_cae.evaluation.baselines import Gaussian, contexts, filtered
-from numpy_cae.evaluation.tables import by_column
-from numpy_cae.manifold.completion import interpolated
+from numpy_cae.evaluation.baselines import Gaussian, apply_linear_map, gather_context
+from numpy_cae.evaluation.tables import interpolate_columns
+from numpy_cae.manifold.completion import interpolate_gaps
 
 
 @pytest.mark.parametrize("shape", [(400, 63), (60, 300)])
@@ -32,7 +32,7 @@ def test_the_axes_are_those_of_a_singular_value_decomposition(shape):
 def windows(monkeypatch):
     """Smooth and correlated, like motion: sums of slow waves; rows of three frames, no ridge."""
     monkeypatch.setattr(baselines, "TAPS", 3)
-    monkeypatch.setattr(baselines, "TOGETHER", 1)
+    monkeypatch.setattr(baselines, "MIDDLE", 1)
     monkeypatch.setattr(baselines, "RIDGE", 0.0)
     rng = np.random.default_rng(0)
     t = np.arange(40) / 40
@@ -43,7 +43,7 @@ def windows(monkeypatch):
 def test_the_linear_map_solves_the_normal_equations_over_all_masks(windows):
     """Summed over all 2^6 masks of six values, each by its probability."""
     fitted, size = Gaussian(windows, np.ones((30, 40), bool)), 6
-    z = np.concatenate([contexts(window) for window in windows])
+    z = np.concatenate([gather_context(window) for window in windows])
     m, b = np.zeros((size, size)), np.zeros((size, 2))
     for bits in range(2**size):
         mask = np.array([bits >> i & 1 for i in range(size)])
@@ -52,7 +52,7 @@ def test_the_linear_map_solves_the_normal_equations_over_all_masks(windows):
         b += chance * (mask * z).T @ windows.reshape(-1, 2)
     np.testing.assert_allclose(m @ fitted.linear_map(0.3), b, rtol=1e-6, atol=1e-12)
     weights = np.array([100.0, 10.0, 1.0]).reshape(3, 1)
-    padded_with_zeros = filtered(np.array([1.0, 2.0, 3.0]).reshape(1, 3, 1), weights)
+    padded_with_zeros = apply_linear_map(np.array([1.0, 2.0, 3.0]).reshape(1, 3, 1), weights)
     assert padded_with_zeros.ravel().tolist() == [12, 123, 230]
 
 
@@ -86,7 +86,9 @@ def test_curves_are_those_of_scipy_and_numpy(seed):
     rng = np.random.default_rng(seed)
     x = rng.normal(size=(2, 60, 3)).round(rng.integers(3))
     known = rng.random(x.shape) < rng.random()
-    curve, line, frames = interpolated(x, known), by_column(x, known, np.interp), np.arange(60)
+    curve = interpolate_gaps(x, known)
+    line = interpolate_columns(x, known, np.interp)
+    frames = np.arange(60)
     for window, column in np.ndindex(2, 3):
         keys = np.flatnonzero(known[window, :, column])
         values, expected, straight = x[window, keys, column], np.zeros(60), np.zeros(60)

@@ -62,7 +62,7 @@ def small_manifold(labelled):
     """Two layers, learned in a second."""
     quick = Schedule(layer=Stage(epochs=2), fine_tuning=Stage(epochs=3, rate=0.05, alpha=0.0))
     takes = [take.positions for take in labelled.training]
-    return learn_manifold(takes, quick, 0, 32, 16, (12, 16), 5)
+    return learn_manifold(takes, quick, window=32, overlap=16, filters=(12, 16), taps=5)
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,7 @@ from data_synth import make_take
 from numpy_cae import viz
 from numpy_cae.cleanup import repair_motion
 from numpy_cae.cli.shared import arguments
-from numpy_cae.evaluation.tables import NOTE, P, half_removed
+from numpy_cae.evaluation.tables import NOTE, P, compare_repairs
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import body_of, write_bvh
 from numpy_cae.motion import RATE
@@ -97,7 +97,7 @@ def _train(folder: Path, seed: int, show_progress: bool) -> None:
     report = ProgressPrinter() if show_progress else None
     manifold = learn_manifold(training, SCHEDULE, seed, report=report)
     manifold.save(folder / "model.npz")
-    print(f"\n{half_removed(manifold, training, testing, seed).text()}\n\n{NOTE}\n")
+    print(f"\n{compare_repairs(manifold, training, testing, seed).text()}\n\n{NOTE}\n")
     _draw_figure_1(folder, manifold, testing[0], seed)
     print(
         f"{folder}/figure_1.png: orange lost half of its values, blue is its projection by the "

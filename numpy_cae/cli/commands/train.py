@@ -24,7 +24,7 @@ from numpy_cae import training, viz
 from numpy_cae.atomic_write import require_place
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import read_bodies, read_usable, split_for_test
-from numpy_cae.evaluation.tables import NOTE, half_removed, reconstruction
+from numpy_cae.evaluation.tables import NOTE, compare_reconstructions, compare_repairs
 from numpy_cae.manifold.augmentation import FileDamage, mirror
 from numpy_cae.manifold.learning import HIDDEN, LATENT, learn_manifold, learn_sequences
 from numpy_cae.mocap.load import find_motion_files, is_test, load_angles
@@ -138,7 +138,7 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
         for folder, group in files.items()
     ]
     source = f"{manifold.settings['windows']} windows"
-    return manifold, source, lambda: f"{half_removed(manifold, takes, testing).text()}\n\n{NOTE}"
+    return manifold, source, lambda: f"{compare_repairs(manifold, takes, testing).text()}\n\n{NOTE}"
 
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
@@ -151,7 +151,7 @@ def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Lear
     manifold = learn_sequences(takes, schedule, **settings)
     source = f"clips of {manifold.frames} frames of {len(takes)} motions"
     name = args.folders[0].resolve().name
-    return manifold, source, lambda: reconstruction(name, manifold, takes, testing).text()
+    return manifold, source, lambda: compare_reconstructions(name, manifold, takes, testing).text()
 
 
 @contextmanager
