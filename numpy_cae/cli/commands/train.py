@@ -18,7 +18,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy_cae import training, viz
 from numpy_cae.atomic_write import require_place
@@ -114,12 +114,15 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-Learned = tuple[Any, str, Callable[[], str]]
-"""A trained manifold, what it was learned from in words, and a function that measures its errors on
-the test takes and returns them as text."""
+class TrainedModel(NamedTuple):
+    """What `train` saves, says and measures."""
+
+    manifold: Any
+    source: str  # what it was learned from, in words
+    measure: Callable[[], str]  # returns its errors on the test takes as text
 
 
-def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
+def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> TrainedModel:
     """Learn the convolutional model from every file in the folders."""
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = list(chain.from_iterable(files.values()))
@@ -138,10 +141,14 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Learne
         for folder, group in files.items()
     ]
     source = f"{manifold.settings['windows']} windows"
-    return manifold, source, lambda: f"{compare_repairs(manifold, takes, testing).text()}\n\n{NOTE}"
+
+    def measure() -> str:
+        return f"{compare_repairs(manifold, takes, testing).text()}\n\n{NOTE}"
+
+    return TrainedModel(manifold, source, measure)
 
 
-def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Learned:
+def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> TrainedModel:
     """Learn the sequential model of one action from every file in the folders."""
     paths = list(chain.from_iterable(find_motion_files(folder) for folder in args.folders))
     sequences = read_usable(paths, partial(load_angles, **arguments.reading(args)))
@@ -151,7 +158,11 @@ def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> Lear
     manifold = learn_sequences(takes, schedule, **settings)
     source = f"clips of {manifold.frames} frames of {len(takes)} motions"
     name = args.folders[0].resolve().name
-    return manifold, source, lambda: compare_reconstructions(name, manifold, takes, testing).text()
+
+    def measure() -> str:
+        return compare_reconstructions(name, manifold, takes, testing).text()
+
+    return TrainedModel(manifold, source, measure)
 
 
 @contextmanager
