@@ -11,11 +11,9 @@ import pkgutil
 import re
 import sys
 from collections.abc import Iterator
-from contextlib import chdir
 from importlib import import_module
 from itertools import groupby
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import ModuleType
 
 from sphinx.pycode import ModuleAnalyzer
@@ -204,9 +202,8 @@ def without_empty_headings(app, pagename: str, template: str, context: dict, doc
 def run_examples() -> None:
     """Run the examples that the reference shows; ValueError if one prints something else."""
     for name in example_modules():
-        with TemporaryDirectory() as folder, chdir(folder):
-            if failures(name):
-                raise ValueError(f"an example of {name} does not print what it says")
+        if failures(name):
+            raise ValueError(f"an example of {name} does not print what it says")
 
 
 def setup(app) -> None:

@@ -133,10 +133,10 @@ def repair(
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> motion.rotations[30, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
     >>> numpy_cae.repair(motion)  # doctest: +NORMALIZE_WHITESPACE
-    left_wrist: frame 30: moved 27.9 cm, at most 27.9
+    left_wrist: frame 30: moved 24.2 cm, at most 24.2
     1 finding:
-      1. left_elbow: frame 30: spike (73° from the frames before and after):
-        27.9 cm, confidence 0.94
+      1. left_elbow: frame 30: spike (76° from the frames before and after):
+        24.2 cm, confidence 0.91
     """
     motion = to_motion(motion)
     chosen = None if findings is None else to_findings(findings, motion)
@@ -176,7 +176,7 @@ def fill(
     >>> from data_synth import make_take
     >>> motion = make_take("walk", 0, seconds=4.0, rate=30.0).motion
     >>> numpy_cae.fill(motion, joints=["left_wrist"], frames=(30, 75))
-    left_wrist: frames 30 to 75: moved 3.1 cm, at most 6.4
+    left_wrist: frames 30 to 75: moved 7.6 cm, at most 13.9
     """
     motion = to_motion(motion)
     if joints is None and frames is None:

@@ -32,6 +32,5 @@ def test_a_public_name_has_its_sections(value):
 
 
 @pytest.mark.parametrize("name", list(example_modules()))
-def test_the_examples_of_a_module_run(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_examples_of_a_module_run(name):
     assert failures(name) == 0

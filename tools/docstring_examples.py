@@ -3,23 +3,31 @@
 import doctest
 import pkgutil
 from collections.abc import Iterator
+from contextlib import chdir
 from importlib import import_module
+from tempfile import TemporaryDirectory
 
 PACKAGES = ("ops", "models", "training", "motion", "manifold", "verify")
+"""The reference shows each public name of these."""
+OTHERS = ("mocap", "cleanup", "evaluation", "viz", "public", "visible")
+"""Further packages and modules whose examples are run."""
 
 
 def example_modules() -> Iterator[str]:
     """The names of the modules whose examples are run."""
     yield "numpy_cae"
-    for package in PACKAGES:
-        top = import_module(f"numpy_cae.{package}")
+    for name in (*PACKAGES, *OTHERS):
+        top = import_module(f"numpy_cae.{name}")
         yield top.__name__
-        for module in pkgutil.walk_packages(top.__path__, f"{top.__name__}."):
-            yield module.name
+        if hasattr(top, "__path__"):
+            for module in pkgutil.walk_packages(top.__path__, f"{top.__name__}."):
+                yield module.name
 
 
 def failures(name: str) -> int:
-    """How many examples of a module print something else than they say. Examples write files, so
-    the working folder has to be an empty one."""
+    """How many examples of a module print something else than they say; they run, and write their
+    files, in a temporary folder."""
+    module = import_module(name)
     options = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
-    return doctest.testmod(import_module(name), optionflags=options).failed
+    with TemporaryDirectory() as folder, chdir(folder):
+        return doctest.testmod(module, optionflags=options).failed

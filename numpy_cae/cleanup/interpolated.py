@@ -118,7 +118,7 @@ def on_curves(motion: Motion, missing: np.ndarray, curve_at: CurveAt = eased_eve
 
     >>> from data_synth import make_take
     >>> from numpy_cae.motion.joints import joint_mask
-    >>> from numpy_cae.motion.quaternions import angle
+    >>> from numpy_cae.motion.quaternions import angle, inverse, product
     >>> walk = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> hole = joint_mask(60, ["left_wrist"], slice(20, 30))
     >>> elbow = walk.skeleton.index("lradius")
