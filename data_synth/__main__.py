@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         else:
             plans = plan_takes(args.minutes, args.seed, args.kinds)
         with _Progress(plans, visible=not args.quiet) as progress:
-            labels = write_series(plans, args.out, args.rate, progress.take_done)
+            labels = write_series(plans, args.out, args.rate, progress.count_take)
     except (ValueError, OSError) as error:
         print(f"data_synth: {error}", file=sys.stderr)
         return 2
@@ -108,8 +108,11 @@ class _Progress:
     """A progress bar; without tqdm, a line every few seconds."""
 
     def __init__(self, plans: Sequence[Plan], visible: bool):
-        self.total, self.done, self.visible = len(plans), 0, visible
-        self.printed = self.begun = time.monotonic()
+        self.total = len(plans)
+        self.done = 0
+        self.visible = visible
+        self.begun = time.monotonic()
+        self.printed = self.begun
         self.bar = None
         if visible and tqdm is not None:
             self.bar = tqdm(total=len(plans), unit=" takes", file=sys.stderr)
@@ -121,7 +124,7 @@ class _Progress:
         if self.bar is not None:
             self.bar.close()
 
-    def take_done(self, plan: Plan, take: object) -> None:
+    def count_take(self, plan: Plan, take: object) -> None:
         """Count one more take."""
         self.done += 1
         now = time.monotonic()
@@ -130,8 +133,8 @@ class _Progress:
             self.bar.update()
         elif self.visible and (now - self.printed > 5 or self.done == self.total):
             self.printed = now
-            left = (now - self.begun) / self.done * (self.total - self.done)
-            print(f"{self.done} of {self.total} takes, {left:.0f} s to go", file=sys.stderr)
+            seconds = (now - self.begun) / self.done * (self.total - self.done)
+            print(f"{self.done} of {self.total} takes, {seconds:.0f} s to go", file=sys.stderr)
 
 
 if __name__ == "__main__":

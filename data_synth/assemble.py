@@ -32,7 +32,7 @@ def about(axis: str, angles: np.ndarray) -> Rotation:
     return Rotation.from_euler(axis.upper(), angles)
 
 
-def bent(forwards: np.ndarray, left: np.ndarray, twist: np.ndarray) -> Rotation:
+def bend_joint(forwards: np.ndarray, left: np.ndarray, twist: np.ndarray) -> Rotation:
     """The rotation of a joint bent forwards, to the left and twisted to the left, radians (F,)."""
     return about("YXZ", np.stack([twist, forwards, -left], axis=-1))
 
@@ -51,12 +51,15 @@ def assemble(body: Body, pose: Pose, rate: float) -> Motion:
     -------
     Motion
     """
-    frames, skeleton = len(pose), body.skeleton
+    frames = len(pose)
+    skeleton = body.skeleton
     still = Rotation.identity(frames)
     local = {name: still for name in skeleton.names}
     local["root"] = pose.pelvis
     chest, trunk, bends = bend_trunk(body, pose.place, pose.pelvis, pose.spine)
-    local |= bends | {name: bent(*(pose.neck * np.array(share)).T) for name, share in _NECK.items()}
+    local |= bends | {
+        name: bend_joint(*(pose.neck * np.array(share)).T) for name, share in _NECK.items()
+    }
     for side in (0, 1):
         _bend_leg(body, pose, pose.legs[side], side, local)
         _bend_arm(body, chest, trunk, pose.arms[side], side, local)
@@ -78,8 +81,9 @@ def bend_trunk(
     body: Body, place: np.ndarray, pelvis: Rotation, spine: np.ndarray
 ) -> tuple[np.ndarray, Rotation, dict[str, Rotation]]:
     """The base of the collar bones (F, 3), the chest's global rotation, the spine's rotations."""
-    bends = {name: bent(*(spine * np.array(share)).T) for name, share in _SPINE.items()}
-    turned, at = pelvis, place
+    bends = {name: bend_joint(*(spine * np.array(share)).T) for name, share in _SPINE.items()}
+    turned = pelvis
+    at = place
     for name, above in zip(_SPINE, ("upperback", "thorax", "lowerneck"), strict=True):
         turned = turned * bends[name]
         at = at + turned.apply(body.offset(above))
@@ -106,7 +110,8 @@ def _bend_leg(body: Body, pose: Pose, leg: Leg, side: int, local: dict) -> None:
 def _bend_arm(
     body: Body, chest: np.ndarray, trunk: Rotation, arm: Arm, side: int, local: dict
 ) -> None:
-    name, sign = SIDES[side], SIGN[side]
+    name = SIDES[side]
+    sign = SIGN[side]
     collar = about("YZ", np.stack([-sign * arm.forwards, sign * arm.raised], axis=-1))
     # The arm of the T-pose is let down by 90°, then lifted outwards, then swung forwards.
     angles = [-arm.flexion, sign * (arm.abduction - np.pi / 2), arm.turn]

@@ -14,7 +14,8 @@ import numpy as np
 from numpy_cae.motion import Skeleton
 
 SIDES = ("l", "r")
-LEFT, RIGHT = 0, 1
+LEFT = 0
+RIGHT = 1
 # +1 where a left limb points along +X in the rest pose, -1 for its mirror image.
 SIGN = (1.0, -1.0)
 
@@ -50,7 +51,8 @@ _TIPS = {
     "fingers": (0.050, 0.0, 0.0),
     "thumb": (0.030, 0.0, 0.030),
 }
-_ANKLE_HEIGHT, _HEEL_BEHIND = 0.039, 0.038
+_ANKLE_HEIGHT = 0.039
+_HEEL_BEHIND = 0.038
 
 # The order of the bones in the CMU database's .asf files.
 _ORDER = (
@@ -206,7 +208,7 @@ def make_body(stature: float = 1.75, spread: dict[str, float] | None = None) -> 
     for side, sign in zip(SIDES, SIGN, strict=True):
         mirror = np.array([sign, 1.0, 1.0])
         for chain, length in ((_LEG, spread["l"]), (_ARM, spread["a"])):
-            own = {bone for bone, *_ in chain}
+            bones = {bone for bone, *_ in chain}
             for bone, above, fraction in chain:
                 stretch = np.ones(3)
                 if bone in ("tibia", "foot") or chain is _ARM:
@@ -220,7 +222,7 @@ def make_body(stature: float = 1.75, spread: dict[str, float] | None = None) -> 
                 if bone == "clavicle":
                     stretch[:] = spread["t"]
                 way[side + bone] = np.array(fraction) * stretch * mirror
-                parent[side + bone] = side + above if above in own else above
+                parent[side + bone] = side + above if above in bones else above
         for bone in ("toes", "fingers", "thumb"):
             tips[side + bone] = np.array(_TIPS[bone]) * mirror
     tips["head"] = np.array(_TIPS["head"])

@@ -21,7 +21,7 @@ def ease(u: np.ndarray) -> np.ndarray:
     return u**3 * (10 + u * (-15 + 6 * u))
 
 
-def fading(since: np.ndarray, over: float = 0.18) -> np.ndarray:
+def fade_out(since: np.ndarray, over: float = 0.18) -> np.ndarray:
     """s (1 - s/τ)², 0 from τ on: the path of a point that starts at speed 1 and stops."""
     return since * np.maximum(1 - since / over, 0.0) ** 2
 
@@ -62,7 +62,7 @@ def smooth_over(need: np.ndarray, samples: float) -> np.ndarray:
     return convolve1d(highest, window / window.sum(), mode="nearest")
 
 
-def yielding(values: np.ndarray, low: float, high: float, share: float = 0.1) -> np.ndarray:
+def limit_softly(values: np.ndarray, low: float, high: float, share: float = 0.1) -> np.ndarray:
     """Limit the values smoothly to the range from `low` to `high`.
 
     Values nearer to an end than `share` of the range are replaced by e + s tanh((x - e) / s).

@@ -28,7 +28,8 @@ def hold_lead(
     rng : numpy.random.Generator
     """
     side = int(rng.integers(2))
-    sign, size = SIGN[side], body.stature / 1.75
+    sign = SIGN[side]
+    size = body.stature / 1.75
     tug = _tugs(t, rng)
     dog = drift(rng, 0.30, 0.05, 0.25)(t)
     aside = sign * 0.20 + 0.16 * np.sin(dog) + 0.02 * drift(rng, 1.0, 0.2, 0.8)(t)
@@ -50,13 +51,14 @@ def hold_lead(
     pose.spine[:, 2] -= sign * np.radians(7.0) * tug
     pose.neck[:, 0] += np.radians(3.0) + np.radians(4.0) * drift(rng, 1.0, 0.08, 0.4)(t)
     pose.neck[:, 2] += 0.7 * np.sin(dog) + sign * np.radians(5.0) * tug
-    other = pose.arms[1 - side]
-    other.elbow = other.elbow + np.radians(rng.uniform(0, 15))
+    free_arm = pose.arms[1 - side]
+    free_arm.elbow = free_arm.elbow + np.radians(rng.uniform(0, 15))
 
 
 def _tugs(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """The strength of the pull, 0 to 1; the dog pulls about every three seconds."""
-    tug, clock = np.zeros(len(t)), t[0] + rng.uniform(0.3, 2.0)
+    tug = np.zeros(len(t))
+    clock = t[0] + rng.uniform(0.3, 2.0)
     while clock < t[-1]:
         hold = rng.uniform(0.05, 0.7)
         tug += rng.uniform(0.4, 1.0) * bump(t, clock, rng.uniform(0.16, 0.24), hold, 0.5)
@@ -66,7 +68,8 @@ def _tugs(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def bouts(rng: np.random.Generator, begin: float, end: float) -> list[tuple[float, float]]:
     """The intervals of walking; every few seconds the dog stops."""
-    walks, clock = [], begin
+    walks = []
+    clock = begin
     while end - clock > 2.5:
         stop = min(clock + rng.uniform(3.0, 8.0), end)
         if end - stop < 2.5:

@@ -11,14 +11,16 @@ _GRAVITY = 9.81
 
 def squats(stage: Stage, seconds: float, tempo: float) -> None:
     """Down until the thighs are near level and up again, arms forwards for balance."""
-    rng, body = stage.rng, stage.body
+    rng = stage.rng
+    body = stage.body
     wide = 0.5 * body.hip_width + rng.uniform(0.06, 0.14)
     out = rng.uniform(10, 18)
     stage.feet = [Foot(sign * wide, 0.0, sign * out) for sign in SIGN]
     arms = float(rng.uniform(0.75, 1.0))
     clock = rng.uniform(0.3, 0.8)
     while clock < seconds - 1.5:
-        down, up = rng.uniform(0.8, 1.3) / tempo, rng.uniform(0.7, 1.1) / tempo
+        down = rng.uniform(0.8, 1.3) / tempo
+        up = rng.uniform(0.7, 1.1) / tempo
         hold = rng.uniform(0.0, 0.35)
         deep = float(rng.uniform(0.75, 1.0))
         parts = {
@@ -37,14 +39,17 @@ def squats(stage: Stage, seconds: float, tempo: float) -> None:
 
 def jumping_jacks(stage: Stage, seconds: float, tempo: float) -> None:
     """Jump the feet apart while the arms go up, jump them together while the arms come down."""
-    rng, body, t = stage.rng, stage.body, stage.t
+    rng = stage.rng
+    body = stage.body
+    t = stage.t
     near = 0.5 * body.hip_width + 0.01
     stage.feet = [Foot(sign * near, 0.0, sign * rng.uniform(5, 9)) for sign in SIGN]
     wide = near + rng.uniform(0.17, 0.28) * body.leg / 0.85
     half = rng.uniform(0.46, 0.58) / tempo
     high = rng.uniform(145, 165)
     bend = rng.uniform(12, 30)
-    clock, apart = rng.uniform(0.5, 1.0), False
+    clock = rng.uniform(0.5, 1.0)
+    apart = False
     flights: list[tuple[float, float]] = []
     while clock < seconds - 2 * half - 0.4 or apart:
         beat = half * float(np.exp(rng.normal(0, 0.03)))
@@ -61,7 +66,8 @@ def jumping_jacks(stage: Stage, seconds: float, tempo: float) -> None:
             heel = bump(t, leave - 0.10, 0.14, flight - 0.10, 0.20)
             stage.add(f"{name}.heel", 30.0 * heel)
             lift = high if not apart else -high
-            begin, over = clock + rng.uniform(0, 0.03) - 0.02, 0.92 * beat
+            begin = clock + rng.uniform(0, 0.03) - 0.02
+            over = 0.92 * beat
             stage.move(f"{name}.abduction", lift, begin, over)
             stage.move(f"{name}.turn", -0.28 * lift, begin + 0.02, over)
             stage.move(f"{name}.raised", 0.11 * lift, begin - 0.02, over)
@@ -107,6 +113,7 @@ def bounce(t: np.ndarray, flights: list[tuple[float, float]], gather: float = 0.
             fall = -_GRAVITY / 2 * before[1]
         end = start + gather if before is None or after is None else after[0]
         push = 0.0 if after is None else _GRAVITY / 2 * after[1]
-        u, span = np.clip((t - start) / (end - start), 0.0, 1.0), end - start
+        u = np.clip((t - start) / (end - start), 0.0, 1.0)
+        span = end - start
         height += span * (u * (1 - u) ** 2 * fall - u**2 * (1 - u) * push)
     return height

@@ -13,7 +13,8 @@ from data_synth.stage import Stage, bump
 
 def guard(stage: Stage, lead: int) -> None:
     """Stand side-on with the fists up, the leading side in front; held for the whole take."""
-    rng, body = stage.rng, stage.body
+    rng = stage.rng
+    body = stage.body
     deep = rng.uniform(0.13, 0.19) * body.leg / 0.85
     half = 0.5 * body.hip_width + rng.uniform(0.02, 0.06)
     stage.feet = [
@@ -59,9 +60,11 @@ def punch(stage: Stage, seconds: float, tempo: float) -> None:
 
 
 def _strike(stage: Stage, side: int, leading: bool, start: float, tempo: float) -> float:
-    rng, name = stage.rng, SIDES[side]
+    rng = stage.rng
+    name = SIDES[side]
     inwards = -SIGN[side]
-    out, back = rng.uniform(0.20, 0.27) / tempo, rng.uniform(0.28, 0.38) / tempo
+    out = rng.uniform(0.20, 0.27) / tempo
+    back = rng.uniform(0.28, 0.38) / tempo
     hold = rng.uniform(0.0, 0.04)
     high = rng.uniform(-6, 6)
     drive = 0.45 if leading else 1.0
@@ -94,10 +97,17 @@ def kick(stage: Stage, seconds: float, tempo: float) -> None:
 
 
 def _front_kick(stage: Stage, side: int, start: float, tempo: float) -> float:
-    rng, t, body = stage.rng, stage.t, stage.body
-    name, other, sign = SIDES[side], SIDES[1 - side], SIGN[side]
-    shift, lift = 0.30 / tempo, 0.34 / tempo
-    snap, draw, lower = rng.uniform(0.16, 0.2) / tempo, 0.22 / tempo, 0.42 / tempo
+    rng = stage.rng
+    t = stage.t
+    body = stage.body
+    name = SIDES[side]
+    standing_side = SIDES[1 - side]
+    sign = SIGN[side]
+    shift = 0.30 / tempo
+    lift = 0.34 / tempo
+    snap = rng.uniform(0.16, 0.2) / tempo
+    draw = 0.22 / tempo
+    lower = 0.42 / tempo
     hold = rng.uniform(0.0, 0.06)
     up = start + 0.6 * shift
     top = up + lift + snap
@@ -119,12 +129,12 @@ def _front_kick(stage: Stage, side: int, start: float, tempo: float) -> float:
     whole = up - start
     stage.gesture(
         {"tilt": -14.0 * high, "bend": 6.0, "turn": -sign * 16.0, "twist": sign * 10.0,
-         "nod": 10.0, "up": -0.02 * body.leg, f"{other}.splay": 4.0},
+         "nod": 10.0, "up": -0.02 * body.leg, f"{standing_side}.splay": 4.0},
         start + 0.5 * whole, lift + snap, hold, draw + lower, lag={"bend": 0.05, "twist": 0.06},
     )  # fmt: skip
     stage.gesture(
         {f"{name}.flexion": -30.0, f"{name}.elbow": -35.0, f"{name}.abduction": 12.0,
-         f"{other}.flexion": 12.0},
+         f"{standing_side}.flexion": 12.0},
         up, lift + snap, hold, draw + lower, lag={f"{name}.elbow": 0.06},
     )  # fmt: skip
     return away + lower - start

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from data_synth.body import Body
 from data_synth.curves import ease
-from data_synth.stride import pitched
+from data_synth.stride import lift_front
 from numpy_cae.motion.features import rotate_about_y
 
 
@@ -57,7 +57,8 @@ class Foot:
     def at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Side, ahead and yaw in degrees, (F, 3); height above the floor, (F,); in the air."""
         state = np.tile([self.side, self.ahead, self.yaw], (len(t), 1))
-        height, flying = np.zeros(len(t)), np.zeros(len(t), dtype=bool)
+        height = np.zeros(len(t))
+        flying = np.zeros(len(t), dtype=bool)
         for start, end, change, lift in self.steps:
             u = (t - start) / (end - start)
             state += ease(u)[:, None] * change
@@ -92,7 +93,7 @@ def stand(
     yaw = heading + np.radians(state[:, 2])
     pitch = -np.radians(heel)
     pivot = np.where((pitch > 0)[:, None], body.heel, body.ball)
-    rise = rotate_about_y(pivot - pitched(pivot, pitch), yaw)
+    rise = rotate_about_y(pivot - lift_front(pivot, pitch), yaw)
     zero = np.zeros(len(state))
     ankle = rotate_about_y(np.stack([state[:, 0], zero, state[:, 1]], axis=-1), heading)
     ankle += rise

@@ -14,12 +14,12 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from data_synth.body import SIGN, Body
-from data_synth.curves import drift, ease, fading, smooth_over
+from data_synth.curves import drift, ease, fade_out, smooth_over
 from data_synth.leg_angles import LegAngles
 from data_synth.manner import Manner, in_radians
 from data_synth.pose import Leg
 from data_synth.route import Route
-from data_synth.stride import LONG_AGO, Stances, pitched
+from data_synth.stride import LONG_AGO, Stances, lift_front
 from numpy_cae.motion.features import rotate_about_y
 
 
@@ -42,7 +42,9 @@ class Gait:
     def __init__(
         self, body: Body, manner: Manner, route: Route, phase: np.ndarray, rng: np.random.Generator
     ):
-        self.body, self.route, self._phase = body, route, phase
+        self.body = body
+        self.route = route
+        self._phase = phase
         self.manner = in_radians(manner)
         self.full_speed = max(float(route.speeds.max()), 1e-6)
         rate = float(np.max(np.diff(phase)) / (route.times[1] - route.times[0]))
@@ -71,7 +73,9 @@ class Gait:
 
     def pelvis_angles(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Heading including the pelvis's own rotation, tilt forwards and drop, radians."""
-        m, angle, vigour = self.manner, 2 * np.pi * self.phase(t), self.vigour(t)
+        m = self.manner
+        angle = 2 * np.pi * self.phase(t)
+        vigour = self.vigour(t)
         turn = -m.pelvis_turn * vigour * np.cos(angle - 0.10)
         drop = m.pelvis_drop * vigour * np.cos(angle - 2 * np.pi * 0.16)
         tilt = 0.35 * m.lean + np.radians(1.2) * vigour * np.cos(2 * angle - 0.6)
@@ -79,7 +83,9 @@ class Gait:
 
     def pelvis(self, t: np.ndarray) -> tuple[np.ndarray, Rotation]:
         """The position of the root, (F, 3), and the rotation of the pelvis."""
-        m, angle, vigour = self.manner, 2 * np.pi * self.phase(t), self.vigour(t)
+        m = self.manner
+        angle = 2 * np.pi * self.phase(t)
+        vigour = self.vigour(t)
         sway = m.sway * vigour * np.cos(angle - 2 * np.pi * 0.30)
         sway = sway + 0.006 * (1 - vigour) * self._drifts[0](t)
         twice = np.stack([np.cos(2 * angle), np.sin(2 * angle)], axis=-1)
@@ -123,7 +129,9 @@ class Gait:
         toes = np.where(t > stances.heel_off[k], np.maximum(-pitch, 0.0), 0.0)
         swing = ~standing
         if swing.any():
-            ts, ks, us = t[swing], k[swing], u[swing]
+            ts = t[swing]
+            ks = k[swing]
+            us = u[swing]
             yaw[swing] += (stances.yaw[ks + 1] - stances.yaw[ks]) * ease(us)
             pitch[swing] = self._free_pitch(ts, side)
             ankle[swing] = self._swing(ts, ks, us, side)
@@ -159,7 +167,8 @@ class Gait:
 
     def _nominal(self, t: np.ndarray, side: int) -> np.ndarray:
         """The ankle by the angles alone, (F, 3), in the world."""
-        body, sign = self.body, SIGN[side]
+        body = self.body
+        sign = SIGN[side]
         place, pelvis = self.pelvis(t)
         ahead, up = self._angles.way(
             self.phase(t) - 0.5 * side, self._implied.fullness * self.vigour(t)
@@ -169,8 +178,12 @@ class Gait:
         return hip + rotate_about_y(np.stack([aside, up, ahead], axis=-1), self.route.heading(t))
 
     def _plan(self, side: int, rng: np.random.Generator) -> Stances:
-        curves, route, m, sign = self.manner.curves, self.route, self.manner, SIGN[side]
-        first, last = self._phase[0], self._phase[-1]
+        curves = self.manner.curves
+        route = self.route
+        m = self.manner
+        sign = SIGN[side]
+        first = self._phase[0]
+        last = self._phase[-1]
         # The last strike before the walk begins, then every one until it ends.
         strikes = np.arange(np.floor(first - 0.5 * side + 1e-9), last) + 0.5 * side
         strikes = strikes[strikes < last - 0.04]
@@ -181,13 +194,16 @@ class Gait:
         def time(after, row):
             return np.interp(strikes + after + jitter[row], *self._clock)
 
-        strike, flat = time(0.0, 0), time(curves.foot_flat, 0)
-        heel_off, toe_off = time(curves.heel_off, 1), time(curves.toe_off, 2)
+        strike = time(0.0, 0)
+        flat = time(curves.foot_flat, 0)
+        heel_off = time(curves.heel_off, 1)
+        toe_off = time(curves.toe_off, 2)
         strike[0], flat[0] = -2 * LONG_AGO, -LONG_AGO
         heel_off[-1], toe_off[-1] = LONG_AGO, 2 * LONG_AGO
         middle_phase = 0.5 * (curves.foot_flat + curves.heel_off)
         passing = np.interp(strikes + middle_phase, *self._clock)
-        heading, vigour = route.heading(passing), self.vigour(passing)
+        heading = route.heading(passing)
+        vigour = self.vigour(passing)
         behind = self._implied.ahead + self._stride * middle_phase
         ahead = self.body.hip(0)[2] - vigour * behind
         ahead += (1 - vigour) * self._angles.way(np.zeros(1), 0.0)[0]
@@ -202,7 +218,8 @@ class Gait:
         """For each swing, the correction and its speed at toe off and at the strike."""
         stances = self.stances[side]
         k = np.arange(len(stances.strike) - 1)
-        off, strike = stances.toe_off[:-1], stances.strike[1:]
+        off = stances.toe_off[:-1]
+        strike = stances.strike[1:]
         ends = []
         for t, stance, step in ((off, k, -h), (strike, k + 1, h)):
             here = self._standing_ankle(t, stance, side) - self._nominal(t, side)
@@ -217,14 +234,16 @@ class Gait:
         u = np.linspace(0.15, 0.85, 22)
         if not len(k):
             return np.zeros(0)
-        off, span = stances.toe_off[k], stances.strike[k + 1] - stances.toe_off[k]
+        off = stances.toe_off[k]
+        span = stances.strike[k + 1] - stances.toe_off[k]
         t = (off[:, None] + u * span[:, None]).ravel()
-        ks, us = np.repeat(k, len(u)), np.tile(u, len(k))
+        ks = np.repeat(k, len(u))
+        us = np.tile(u, len(k))
         ankle = self._swing_unlifted(t, ks, us, side, ends)
         pitch = self._free_pitch(t, side)
-        sole = (ankle + pitched(self.body.heel, pitch))[:, 1]
+        sole = (ankle + lift_front(self.body.heel, pitch))[:, 1]
         for point, since in ((self.body.ball_sole, 0.0), (self.body.toe_tip, 0.45)):
-            height = (ankle + pitched(point, pitch))[:, 1]
+            height = (ankle + lift_front(point, pitch))[:, 1]
             sole = np.where(us >= since, np.minimum(sole, height), sole)
         bump = np.sin(np.pi * us) ** 2
         need = self.manner.clearance - sole / bump
@@ -234,9 +253,10 @@ class Gait:
         stances = self.stances[side]
         span = stances.strike[k + 1] - stances.toe_off[k]
         value0, speed0, value1, speed1 = (end[k] for end in ends)
-        since, left = u * span, (1 - u) * span
+        since = u * span
+        until = (1 - u) * span
         correction = value0 + (value1 - value0) * ease(u)[:, None]
-        correction += fading(since)[:, None] * speed0 - fading(left)[:, None] * speed1
+        correction += fade_out(since)[:, None] * speed0 - fade_out(until)[:, None] * speed1
         return self._nominal(t, side) + correction
 
     def _swing(self, t, k, u, side):

@@ -14,10 +14,11 @@ import numpy as np
 
 from data_synth.body import Body
 from data_synth.manner import Manner
-from data_synth.stride import pitched
+from data_synth.stride import lift_front
 
 # Standing at ease: thigh slightly forwards, knee slightly bent, foot flat.
-_STANDING_THIGH, _STANDING_KNEE = np.radians(3.5), np.radians(7.0)
+_STANDING_THIGH = np.radians(3.5)
+_STANDING_KNEE = np.radians(7.0)
 # The toes bend no further than this against the foot, so the foot stands no steeper at toe off.
 _STEEPEST = np.radians(72.0)
 
@@ -56,11 +57,13 @@ class LegAngles:
     """
 
     def __init__(self, body: Body, manner: Manner):
-        self.body, self.manner = body, manner
+        self.body = body
+        self.manner = manner
 
     def way(self, phase: np.ndarray, fullness) -> tuple[np.ndarray, np.ndarray]:
         """From hip to ankle, forwards and upwards, metres."""
-        m, body = self.manner, self.body
+        m = self.manner
+        body = self.body
         thigh = _STANDING_THIGH + fullness * (m.curves.thigh(phase) - _STANDING_THIGH)
         bending = _bending(fullness)
         knee = _STANDING_KNEE + bending * (m.curves.knee(phase) - _STANDING_KNEE) + m.crouch
@@ -90,16 +93,18 @@ class LegAngles:
         stride : float
             Metres.
         """
-        body, curves = self.body, self.manner.curves
+        body = self.body
+        curves = self.manner.curves
         phase = np.linspace(0.01, curves.toe_off - 0.06, 40)
         line = np.stack([np.ones(40), phase], axis=-1)
         rolls = (phase < curves.foot_flat) | (phase > curves.heel_off)
         pivots = np.where((phase < curves.foot_flat)[:, None], body.heel, body.ball)
-        low, high = 0.0, 2.0
+        low = 0.0
+        high = 2.0
         for _ in range(24):
             fullness = (low + high) / 2
             pitch = np.where(rolls, self.pitch(phase, fullness), 0.0)
-            rolled = pivots - pitched(pivots, pitch)
+            rolled = pivots - lift_front(pivots, pitch)
             ahead, down = self.way(phase, fullness)
             start, length = np.linalg.lstsq(line, rolled[:, 2] - ahead, rcond=None)[0]
             low, high = (fullness, high) if length < stride else (low, fullness)

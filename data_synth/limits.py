@@ -55,13 +55,16 @@ def joint_angles(motion: Motion) -> dict[tuple[str, str], np.ndarray]:
     """
     angles = {}
     for joint, name in enumerate(motion.skeleton.names):
-        side = next((s for s, letter in enumerate(SIDES) if name[1:] in LIMITS and
-                     name[0] == letter), None)  # fmt: skip
-        bone = name if side is None else name[1:]
-        if bone not in LIMITS:
+        if name in LIMITS:
+            bone = name
+            sign = SIGN[0]
+        elif name[1:] in LIMITS:
+            bone = name[1:]
+            sign = SIGN[SIDES.index(name[0])]
+        else:
             continue
         rotation = Rotation.from_quat(motion.rotations[:, joint])
-        measured = _measures(bone)(rotation, SIGN[side or 0])
+        measured = _measures(bone)(rotation, sign)
         for angle, values in measured.items():
             angles[name, angle] = np.degrees(values)
     return angles
@@ -69,21 +72,27 @@ def joint_angles(motion: Motion) -> dict[tuple[str, str], np.ndarray]:
 
 def beyond_limits(motion: Motion) -> list[str]:
     """One line for each angle that exceeds its limits."""
-    found = []
+    lines = []
     for (name, angle), values in joint_angles(motion).items():
         low, high = LIMITS[name if name in LIMITS else name[1:]][angle]
         worst = int(np.argmax(np.maximum(low - values, values - high)))
         if not low <= values[worst] <= high:
-            found.append(
+            lines.append(
                 f"{name} {angle} is {values[worst]:.1f}° in frame {worst}, limits {low}° to {high}°"
             )
-    return found
+    return lines
 
 
 def _measures(bone: str) -> Callable[[Rotation, float], Angles]:
-    if bone in ("femur", "humerus", "hand", "clavicle", "foot"):
-        return {"femur": _hip, "humerus": _shoulder, "hand": _hand, "clavicle": _collar,
-                "foot": _ankle}[bone]  # fmt: skip
+    joints = {
+        "femur": _hip,
+        "humerus": _shoulder,
+        "hand": _hand,
+        "clavicle": _collar,
+        "foot": _ankle,
+    }
+    if bone in joints:
+        return joints[bone]
     if bone in ("tibia", "toes", "radius", "wrist", "fingers", "thumb"):
         return lambda rotation, sign: _hinge(bone, rotation, sign)
     return _trunk
@@ -102,10 +111,10 @@ def _hinge(bone: str, rotation: Rotation, sign: float) -> Angles:
         "radius": (1, -sign, "flexion"), "wrist": (0, 1.0, "pronation"),
         "fingers": (2, -sign, "flexion"), "thumb": (1, -sign, "flexion"),
     }[bone]  # fmt: skip
-    other = np.delete(rotation.as_quat()[:, :3], axis, axis=1)
+    off_axis = np.delete(rotation.as_quat()[:, :3], axis, axis=1)
     return {
         name: direction * _turn_about(axis, rotation),
-        "other": 2 * np.arcsin(np.minimum(np.linalg.norm(other, axis=-1), 1.0)),
+        "other": 2 * np.arcsin(np.minimum(np.linalg.norm(off_axis, axis=-1), 1.0)),
     }
 
 

@@ -14,7 +14,7 @@ from data_synth.assemble import bend_trunk
 from data_synth.body import LEFT, SIGN
 from data_synth.pose import Arm, Leg, Pose
 from data_synth.stage import Stage, bump
-from data_synth.stride import pitched
+from data_synth.stride import lift_front
 
 # The foot stands on its toes, nearly upright.
 _FOOT_PITCH = -np.radians(66.0)
@@ -24,11 +24,13 @@ _STRAIGHT = 0.995
 
 def press_ups(stage: Stage, seconds: float, tempo: float) -> None:
     """Several press-ups of different depth with short rests."""
-    rng, t = stage.rng, stage.t
+    rng = stage.rng
+    t = stage.t
     low = np.zeros(len(t))
     clock = rng.uniform(0.2, 0.8)
     while clock < seconds - 1.0:
-        down, up = rng.uniform(0.6, 1.0) / tempo, rng.uniform(0.5, 0.9) / tempo
+        down = rng.uniform(0.6, 1.0) / tempo
+        up = rng.uniform(0.5, 0.9) / tempo
         hold = rng.uniform(0.0, 0.2)
         low += rng.uniform(0.75, 1.0) * bump(t, clock, down, hold, up)
         clock += down + hold + up + rng.uniform(0.05, 0.5) / tempo
@@ -47,12 +49,15 @@ class Plank:
     """
 
     def __init__(self, stage: Stage, low: np.ndarray):
-        rng, body = stage.rng, stage.body
-        self.stage, self.body, self.low = stage, body, low
+        rng = stage.rng
+        body = stage.body
+        self.stage = stage
+        self.body = body
+        self.low = low
         self.sag = np.radians(rng.uniform(-4, 3))
         self.hollow = -1.6 * self.sag
         pivot = np.array([0.0, body.ankle_height, 0.0]) + body.ball
-        self.ankle = pivot - pitched(body.ball, np.array(_FOOT_PITCH))
+        self.ankle = pivot - lift_front(body.ball, np.array(_FOOT_PITCH))
         self.wrist_height = 0.035 * body.stature
         half = abs(body.offset("lhumerus")[0])
         self.hands_out = half * rng.uniform(1.05, 1.4)
@@ -69,7 +74,8 @@ class Plank:
 
     def _shoulder(self, slope: float) -> np.ndarray:
         """The left shoulder joint at rest at this slope, (3,)."""
-        slopes, zero = np.array([slope]), np.zeros(1)
+        slopes = np.array([slope])
+        zero = np.zeros(1)
         level = self._level(slopes, zero)
         spine = np.array([[self.hollow, 0.0, 0.0]])
         chest, trunk, _ = bend_trunk(self.body, self._place(slopes, level), level, spine)
@@ -92,9 +98,12 @@ class Plank:
 
     def pose(self) -> tuple[Pose, np.ndarray]:
         """The pose, and which foot's ball stands still: both."""
-        stage, body, frames = self.stage, self.body, len(self.low)
+        stage = self.stage
+        body = self.body
+        frames = len(self.low)
         facing = Rotation.from_euler("Y", stage.heading[:, None])
-        place, pelvis = facing.apply(self.place), facing * self.level
+        place = facing.apply(self.place)
+        pelvis = facing * self.level
         pitch = np.full(frames, -_FOOT_PITCH)
         foot = facing * Rotation.from_euler("X", pitch[:, None])
         zero = np.zeros(frames)
@@ -111,7 +120,8 @@ class Plank:
         return pose, np.ones((frames, 2), dtype=bool)
 
     def _arm(self, side: int, facing: Rotation) -> Arm:
-        sign, frames = SIGN[side], len(self.low)
+        sign = SIGN[side]
+        frames = len(self.low)
         # Under the shoulders of the upper position.
         ahead = self._shoulder(self.high)[2] - 0.02
         hand = np.array([sign * self.hands_out, self.wrist_height, ahead])

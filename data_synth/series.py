@@ -17,8 +17,11 @@ TAKES_A_PERSON = 12
 CMU_TAKES = 2605
 CMU_WINDOWS = 9673
 """Recordings in the CMU database and windows that holden2015, section 4, cuts from them."""
-_LENGTH, _STEP, _RATE = 160, 80, 30.0
-_PEOPLE, _TAKES = 1, 2
+_LENGTH = 160
+_STEP = 80
+_RATE = 30.0
+_PEOPLE = 1
+_TAKES = 2
 
 
 @dataclass(frozen=True)
@@ -73,13 +76,15 @@ def plan_takes(minutes: float, seed: int = 0, kinds: Sequence[str] | None = None
     if not (np.isfinite(minutes) and minutes > 0):
         raise ValueError(f"minutes is {minutes}, expected a number above 0")
     rng = _series_rng(seed)
-    left, lengths = 60.0 * minutes, []
-    while left > 1e-9:
-        seconds = min(float(np.clip(np.exp(rng.normal(np.log(9.0), 0.35)), 5.0, 20.0)), left)
+    remaining = 60.0 * minutes
+    lengths = []
+    while remaining > 1e-9:
+        seconds = min(float(np.clip(np.exp(rng.normal(np.log(9.0), 0.35)), 5.0, 20.0)), remaining)
         # A remainder of less than 3 s is added to the last take.
-        seconds = left if left - seconds < 3.0 else seconds
+        if remaining - seconds < 3.0:
+            seconds = remaining
         lengths.append(seconds)
-        left -= seconds
+        remaining -= seconds
     return _plans(seed, rng, lengths, kinds)
 
 

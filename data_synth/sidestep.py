@@ -10,14 +10,17 @@ from data_synth.stage import Stage, bump
 
 def sidestep(stage: Stage, seconds: float, tempo: float) -> None:
     """Step sideways with lead foot and trailing foot in turn; the direction may change."""
-    rng, body, t = stage.rng, stage.body, stage.t
+    rng = stage.rng
+    body = stage.body
+    t = stage.t
     half = 0.5 * body.hip_width + 0.015
     stage.feet = [Foot(sign * half, 0.0, sign * rng.uniform(3, 9)) for sign in SIGN]
     stage.add("up", -rng.uniform(0.01, 0.05) * body.leg)
     for name in SIDES:
         stage.add(f"{name}.abduction", rng.uniform(3, 14))
         stage.add(f"{name}.elbow", rng.uniform(8, 35))
-    clock, toward = rng.uniform(0.4, 0.9), float(rng.choice([-1.0, 1.0]))
+    clock = rng.uniform(0.4, 0.9)
+    toward = float(rng.choice([-1.0, 1.0]))
     length = rng.uniform(0.28, 0.42) * body.leg / 0.85
     beat = rng.uniform(0.42, 0.58) / tempo
     while clock < seconds - 2.4 * beat:

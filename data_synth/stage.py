@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from data_synth.body import SIDES, SIGN, Body
-from data_synth.curves import drift, ease, smooth_over, yielding
+from data_synth.curves import drift, ease, limit_softly, smooth_over
 from data_synth.footsteps import Foot, stand
 from data_synth.pose import Arm, Leg, Pose
 from numpy_cae.motion.features import rotate_about_y
@@ -39,7 +39,9 @@ class Stage:
     """
 
     def __init__(self, body: Body, t: np.ndarray, rng: np.random.Generator, lively: float = 1.0):
-        self.body, self.t, self.rng = body, t, rng
+        self.body = body
+        self.t = t
+        self.rng = rng
         self.angles: dict[str, np.ndarray] = defaultdict(lambda: np.zeros(len(t)))
         self.heading = np.full(len(t), rng.uniform(-np.pi, np.pi))
         self.start = np.zeros(2)
@@ -79,7 +81,8 @@ class Stage:
             self.add(name, amount * shape)
 
     def _rest(self, lively: float) -> None:
-        rng, t = self.rng, self.t
+        rng = self.rng
+        t = self.t
         for name, size in {"aside": 0.008, "ahead": 0.006}.items():
             self.add(name, lively * size * drift(rng, 1.0, 0.08, 0.7)(t))
         for name in ("turn", "tilt", "bend", "side", "twist", "nod", "lean"):
@@ -101,7 +104,7 @@ class Stage:
         # The sum of several gestures is limited to the joint's range.
         angles = self.angles[name]
         reach = _REACH.get(name.removeprefix("l.").removeprefix("r."))
-        return np.radians(angles if reach is None else yielding(angles, *reach))
+        return np.radians(angles if reach is None else limit_softly(angles, *reach))
 
     def pose(self) -> tuple[Pose, np.ndarray]:
         """The pose at every time, and which foot's ball stands still, (F, 2) bool."""
@@ -161,14 +164,16 @@ class Stage:
 
     def _leg(self, side: int, place: np.ndarray, pelvis: Rotation, planted) -> Leg:
         ankle, foot, toes, _ = planted
-        name, sign = SIDES[side], SIGN[side]
+        name = SIDES[side]
+        sign = SIGN[side]
         free = self.angles[f"{name}.free"]
         if np.any(free > 0):
             thigh, knee, out, bent = (
                 self._radians(f"{name}.{n}") for n in ("thigh", "knee", "out", "ankle")
             )
             shank = thigh - knee
-            upper, lower = self.body.thigh, self.body.shank
+            upper = self.body.thigh
+            lower = self.body.shank
             ahead = upper * np.sin(thigh) + lower * np.sin(shank)
             down = upper * np.cos(thigh) + lower * np.cos(shank)
             way = np.stack([sign * down * np.sin(out), -down * np.cos(out), ahead], axis=-1)

@@ -8,12 +8,14 @@ from data_synth.stage import Stage, bump
 def idle(stage: Stage, seconds: float, tempo: float) -> None:
     """Shift the weight from leg to leg, look around, fidget a little."""
     rng = stage.rng
-    clock, side = rng.uniform(0.3, 1.5), float(rng.choice([-1.0, 1.0]))
+    clock = rng.uniform(0.3, 1.5)
+    side = float(rng.choice([-1.0, 1.0]))
     before = 0.0
     while clock < seconds:
         goal = side * rng.uniform(0.3, 1.0)
         shift_weight(stage, goal - before, clock, rng.uniform(0.7, 1.4) / tempo)
-        before, side = goal, -side
+        before = goal
+        side = -side
         clock += rng.uniform(1.8, 4.5) / tempo
     clock = rng.uniform(0.5, 2.5)
     while clock < seconds:
@@ -42,7 +44,8 @@ def glance(stage: Stage, start: float, tempo: float) -> None:
     """Turn the head, then a little of the trunk, somewhere and back."""
     rng = stage.rng
     look = float(rng.choice([-1, 1]) * rng.uniform(12, 45))
-    rise, hold = rng.uniform(0.35, 0.6) / tempo, rng.uniform(0.4, 1.6)
+    rise = rng.uniform(0.35, 0.6) / tempo
+    hold = rng.uniform(0.4, 1.6)
     stage.gesture(
         {"look": look, "twist": 0.2 * look, "nod": rng.uniform(-6, 10)},
         start, rise, hold, 1.3 * rise, lag={"twist": 0.12},
@@ -53,7 +56,8 @@ def fidget(stage: Stage, start: float, tempo: float) -> float:
     """Raise a hand in front of the body, as to look at a watch; return when it is down again."""
     rng = stage.rng
     side = str(rng.choice(["l", "r"]))
-    rise, hold = rng.uniform(0.5, 0.8) / tempo, rng.uniform(0.5, 1.4)
+    rise = rng.uniform(0.5, 0.8) / tempo
+    hold = rng.uniform(0.5, 1.4)
     stage.gesture(
         {f"{side}.flexion": rng.uniform(15, 32), f"{side}.elbow": rng.uniform(65, 100),
          f"{side}.turn": rng.uniform(15, 35), f"{side}.pronation": rng.uniform(10, 40),
@@ -66,12 +70,14 @@ def fidget(stage: Stage, start: float, tempo: float) -> float:
 
 def wave(stage: Stage, seconds: float, tempo: float) -> None:
     """Raise an arm and wave, once or a few times."""
-    rng, t = stage.rng, stage.t
+    rng = stage.rng
+    t = stage.t
     side = str(rng.choice(["l", "r"]))
     sign = 1.0 if side == "l" else -1.0
     clock = rng.uniform(0.3, 1.0)
     while clock < seconds - 1.0:
-        rise, fall = rng.uniform(0.55, 0.8) / tempo, rng.uniform(0.6, 0.9) / tempo
+        rise = rng.uniform(0.55, 0.8) / tempo
+        fall = rng.uniform(0.6, 0.9) / tempo
         hold = min(rng.uniform(1.2, 3.5), max(seconds - clock - rise - fall - 0.3, 0.4))
         high = rng.uniform(0.75, 1.15)
         raised = {

@@ -48,12 +48,13 @@ class Stances:
     def ankle_at(self, t: np.ndarray, k: np.ndarray, pitch: np.ndarray, body: Body) -> np.ndarray:
         """The ankle at times within stance k, (F, 3): turned about the heel or the ball."""
         pivot = np.where((t < self.flat[k])[:, None], body.heel, body.ball)
-        moved = pivot - pitched(pivot, pitch)
+        moved = pivot - lift_front(pivot, pitch)
         return self.ankle[k] + rotate_about_y(moved, self.yaw[k])
 
 
-def pitched(way: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+def lift_front(way: np.ndarray, pitch: np.ndarray) -> np.ndarray:
     """The vectors (F, 3) with their front lifted by `pitch` radians: Rx(-pitch)."""
-    c, s = np.cos(pitch), np.sin(pitch)
+    c = np.cos(pitch)
+    s = np.sin(pitch)
     x, y, z = np.moveaxis(np.broadcast_to(way, (*pitch.shape, 3)), -1, 0)
     return np.stack([x, c * y + s * z, c * z - s * y], axis=-1)

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 # Up to this share of its length a limb reaches the target; beyond it, it straightens smoothly.
-YIELDS_AT, YIELDS_FOR = 0.990, 0.0075
+YIELDS_AT = 0.990
+YIELDS_FOR = 0.0075
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
@@ -41,7 +42,8 @@ def reach(
     span = target - start
     distance = np.linalg.norm(span, axis=-1, keepdims=True)
     along = span / np.maximum(distance, 1e-9)
-    longest, slack = YIELDS_AT * (upper + lower), YIELDS_FOR * (upper + lower)
+    longest = YIELDS_AT * (upper + lower)
+    slack = YIELDS_FOR * (upper + lower)
     beyond = longest + slack * np.tanh((distance - longest) / slack)
     distance = np.where(distance > longest, beyond, distance)
     hinge = unit(hinge - np.sum(hinge * along, axis=-1, keepdims=True) * along)

@@ -41,10 +41,12 @@ def _between(stage: Stage, clock: float, tempo: float) -> float:
 def stretch(stage: Stage, start: float, tempo: float) -> float:
     """Raise the arms, arch the back and stand on the toes; sometimes lean to both sides."""
     rng = stage.rng
-    rise, fall = rng.uniform(0.9, 1.3) / tempo, rng.uniform(0.9, 1.4) / tempo
+    rise = rng.uniform(0.9, 1.3) / tempo
+    fall = rng.uniform(0.9, 1.4) / tempo
     bends = int(rng.integers(0, 3))
     hold = rng.uniform(0.4, 1.0) + 1.3 * bends / tempo
-    parts, lag = {"bend": -11.0, "nod": -14.0, "tilt": 4.0}, {"nod": 0.15}
+    parts = {"bend": -11.0, "nod": -14.0, "tilt": 4.0}
+    lag = {"nod": 0.15}
     for name in SIDES:
         parts |= {f"{name}.flexion": rng.uniform(150, 165), f"{name}.elbow": rng.uniform(0, 14),
                   f"{name}.turn": rng.uniform(5, 20), f"{name}.raised": 14.0,
@@ -70,12 +72,17 @@ def stretch(stage: Stage, start: float, tempo: float) -> float:
 
 def twist_legs(stage: Stage, start: float, tempo: float) -> float:
     """Cross one leg in front of the other, turn to and fro, and uncross the legs."""
-    rng, t = stage.rng, stage.t
+    rng = stage.rng
+    t = stage.t
     moving = int(rng.integers(2))
-    name, sign = SIDES[moving], SIGN[moving]
-    foot, other = stage.feet[moving], stage.feet[1 - moving]
-    home, stood = foot.last(), other.last()
-    over, hold = rng.uniform(0.65, 0.9) / tempo, rng.uniform(1.5, 4.0)
+    name = SIDES[moving]
+    sign = SIGN[moving]
+    foot = stage.feet[moving]
+    standing_foot = stage.feet[1 - moving]
+    home = foot.last()
+    stood = standing_foot.last()
+    over = rng.uniform(0.65, 0.9) / tempo
+    hold = rng.uniform(1.5, 4.0)
     across = stood[0] - sign * rng.uniform(0.02, 0.07)
     ahead = stood[1] + rng.uniform(0.15, 0.19)
     stage.move("aside", 0.9 * stood[0], start - 0.15, 0.5 / tempo)
@@ -107,12 +114,16 @@ def twist_legs(stage: Stage, start: float, tempo: float) -> float:
 
 def rest_on_wall(stage: Stage, start: float, tempo: float) -> float:
     """Lean sideways with a straight arm, the hand on a wall."""
-    rng, body, t = stage.rng, stage.body, stage.t
+    rng = stage.rng
+    body = stage.body
+    t = stage.t
     side = int(rng.choice([LEFT, RIGHT]))
-    name, sign = SIDES[side], SIGN[side]
+    name = SIDES[side]
+    sign = SIGN[side]
     if stage.goals[side]:
         return start
-    rise, fall = rng.uniform(0.9, 1.3) / tempo, rng.uniform(0.9, 1.2) / tempo
+    rise = rng.uniform(0.9, 1.3) / tempo
+    fall = rng.uniform(0.9, 1.2) / tempo
     hold = rng.uniform(2.0, 5.0)
     far = rng.uniform(0.05, 0.10)
     stage.gesture(
@@ -134,11 +145,11 @@ def rest_on_wall(stage: Stage, start: float, tempo: float) -> float:
         "elbow_side": np.array([0.0, -1.0, -0.35]),
     }
     if rng.random() < 0.6:
-        other = SIDES[1 - side]
+        free_side = SIDES[1 - side]
         # The other hand is on the hip.
         stage.gesture(
-            {f"{other}.abduction": 30.0, f"{other}.turn": 32.0, f"{other}.elbow": 70.0,
-             f"{other}.flexion": -14.0},
+            {f"{free_side}.abduction": 30.0, f"{free_side}.turn": 32.0, f"{free_side}.elbow": 70.0,
+             f"{free_side}.flexion": -14.0},
             start + 0.5, 0.8, hold - 0.4, 0.8,
         )  # fmt: skip
     return start + rise + hold + fall
@@ -147,9 +158,12 @@ def rest_on_wall(stage: Stage, start: float, tempo: float) -> float:
 def lean_back(stage: Stage, start: float, tempo: float) -> float:
     """Rest the back on a wall, one foot up against it."""
     rng = stage.rng
-    name, other = SIDES[side := int(rng.integers(2))], SIDES[1 - side]
+    side = int(rng.integers(2))
+    name = SIDES[side]
+    standing_side = SIDES[1 - side]
     sign = SIGN[side]
-    rise, fall = rng.uniform(1.0, 1.4) / tempo, rng.uniform(1.0, 1.3) / tempo
+    rise = rng.uniform(1.0, 1.4) / tempo
+    fall = rng.uniform(1.0, 1.3) / tempo
     hold = rng.uniform(2.0, 4.5)
     stage.gesture(
         {"ahead": -0.13, "tilt": -8.0, "bend": 6.0, "nod": 6.0, "up": -0.01},
@@ -161,13 +175,14 @@ def lean_back(stage: Stage, start: float, tempo: float) -> float:
              f"{arm}.abduction": -3.0},
             start + 0.4 + 0.1 * (arm == name), 0.9, hold - 0.2, 0.9,
         )  # fmt: skip
-    begin, stay = start + 0.8 * rise, hold - 0.4 * rise
+    begin = start + 0.8 * rise
+    stay = hold - 0.4 * rise
     stood = stage.feet[1 - side].last()
     stage.gesture(
         {"aside": 0.6 * stood[0], "list": -sign * 3.0}, start + 0.4 * rise, 0.8, stay, 0.9
     )
     lift = {f"{name}.free": 1.0, f"{name}.thigh": rng.uniform(22, 34),
             f"{name}.knee": rng.uniform(82, 98), f"{name}.ankle": 18.0,
-            f"{other}.splay": 3.0}  # fmt: skip
+            f"{standing_side}.splay": 3.0}  # fmt: skip
     stage.gesture(lift, begin, 0.8, stay, 0.8, lag={f"{name}.knee": -0.03})
     return start + rise + hold + fall + 0.3

@@ -46,7 +46,8 @@ def set_out(
         Strides done at `times`.
     """
     size = stature / 1.75
-    speed, steps = manner.speed * np.sqrt(size), manner.cadence / 60 / np.sqrt(size)
+    speed = manner.speed * np.sqrt(size)
+    steps = manner.cadence / 60 / np.sqrt(size)
     # Full speed is reached within three steps (Breniere & Do, 1986, J. Biomech. 19:1035).
     gather = 3 / steps
     wander = drift(rng, 0.02, 0.1, 0.5)(times)
@@ -87,7 +88,9 @@ def walk(
 
 
 def _trunk(gait: Gait, t: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    m, angle, vigour = gait.manner, 2 * np.pi * gait.phase(t), gait.vigour(t)
+    m = gait.manner
+    angle = 2 * np.pi * gait.phase(t)
+    vigour = gait.vigour(t)
     yaw, tilt, drop = gait.pelvis_angles(t)
     heading = gait.route.heading(t)
     chest_turn = m.chest_turn * vigour * np.cos(angle - 0.35)
@@ -117,7 +120,9 @@ def _trunk(gait: Gait, t: np.ndarray, rng: np.random.Generator) -> tuple[np.ndar
 
 
 def _arm(gait: Gait, t: np.ndarray, side: int, rng: np.random.Generator) -> Arm:
-    m, vigour, phase = gait.manner, gait.vigour(t), gait.phase(t)
+    m = gait.manner
+    vigour = gait.vigour(t)
+    phase = gait.phase(t)
     # Furthest forwards a little after the strike of the other foot.
     late = rng.normal(0.03, 0.012)
     angle = 2 * np.pi * (phase - 0.5 * (1 - side) - late)

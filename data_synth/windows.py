@@ -13,7 +13,7 @@ _BODY = (
     "root upperback thorax head lclavicle lhumerus lradius lwrist rclavicle rhumerus rradius "
     "rwrist lfemur ltibia lfoot ltoes rfemur rtibia rfoot rtoes"
 ).split()
-"""_BODY: the names of `numpy_cae.motion.JOINTS` in the skeleton of a take."""
+"""The names of `numpy_cae.motion.JOINTS` in the skeleton of a take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +75,22 @@ def windows_of(plans: Sequence[Plan], length: int = 160, overlap: int = 80) -> W
     if not plans:
         raise ValueError("there are no takes to cut windows from")
     # Only twenty of the thirty-one joints of each take stay in memory.
-    bodies, named = [], []
+    bodies = []
+    named = []
     for plan in plans:
         take = plan.make(_RATE)
         joints = [take.motion.skeleton.index(name) for name in _BODY]
         bodies.append(take.motion.positions(joints))
         named.append((take.kind, take.style, plan.number))
-    own = [bone_lengths(body) for body in bodies]
-    wanted = np.mean(own, axis=0)
-    cut, real, kinds, styles, numbers = [], [], [], [], []
-    for (kind, style, number), body, lengths in zip(named, bodies, own, strict=True):
-        features, _ = positions_to_features(change_lengths(body, lengths, wanted), _RATE)
+    lengths_of_bodies = [bone_lengths(body) for body in bodies]
+    mean_lengths = np.mean(lengths_of_bodies, axis=0)
+    cut = []
+    real = []
+    kinds = []
+    styles = []
+    numbers = []
+    for (kind, style, number), body, lengths in zip(named, bodies, lengths_of_bodies, strict=True):
+        features, _ = positions_to_features(change_lengths(body, lengths, mean_lengths), _RATE)
         windows, shown = cut_windows(features, length, overlap)
         cut.append(windows)
         real.append(shown)
@@ -93,5 +98,5 @@ def windows_of(plans: Sequence[Plan], length: int = 160, overlap: int = 80) -> W
         styles += [style] * len(windows)
         numbers += [number] * len(windows)
     return Windows(
-        np.concatenate(cut), np.concatenate(real), kinds, styles, np.array(numbers), wanted
+        np.concatenate(cut), np.concatenate(real), kinds, styles, np.array(numbers), mean_lengths
     )

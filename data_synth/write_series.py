@@ -19,7 +19,7 @@ def write_series(
     plans: Sequence[Plan],
     folder: str | Path,
     rate: float = 120.0,
-    each: Callable[[Plan, Take], None] | None = None,
+    report: Callable[[Plan, Take], None] | None = None,
 ) -> Path:
     """Write every planned take, then the labels.
 
@@ -33,7 +33,7 @@ def write_series(
         Created if missing.
     rate : float
         Frames a second.
-    each : function, optional
+    report : function, optional
         Called after each take is written.
 
     Returns
@@ -61,8 +61,8 @@ def write_series(
              f"{take.stature:.3f}", f"{take.motion.seconds:.4f}", f"{rate:g}", len(take.motion),
              plan.seed, plan.number]
         )  # fmt: skip
-        if each is not None:
-            each(plan, take)
+        if report is not None:
+            report(plan, take)
     labels = folder / "labels.csv"
     with atomic_write(labels) as beside:
         beside.write_text(table.getvalue(), encoding="utf-8", newline="\n")

@@ -41,9 +41,9 @@ def _tex(text: str) -> str:
     return TOKENS.sub(_token, unicodedata.normalize("NFD", text).replace("`", ""))
 
 
-def _token(found: re.Match) -> str:
-    text = found[0]
-    match found.lastgroup:
+def _token(token: re.Match) -> str:
+    text = token[0]
+    match token.lastgroup:
         case "accent":
             return rf"\{'hat' if text[1] == chr(0x302) else 'tilde'}{{{text[0]}}}"
         case "floor":

@@ -42,10 +42,10 @@ def write_example(folder: Path, scripts: Path) -> None:
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=True)
     (folder / "printed.txt").write_text(f"$ {COMMAND}\n{done.stdout}", encoding="utf-8")
     (folder / "repaired_walk.html").replace(folder / "page" / "repaired_walk.html")
-    read = {name: load_motion(folder / f"{name}_walk.bvh") for name in ("damaged", "repaired")}
+    walks = {name: load_motion(folder / f"{name}_walk.bvh") for name in ("damaged", "repaired")}
     loader = (scripts / "BVHLoader.js").read_text(encoding="utf-8")
     drop = (scripts / "drop.js").read_text(encoding="utf-8")
-    hero = f'<div class="hero" id="hero">{_side_by_side(read | {"true walk": truth})}</div>'
+    hero = f'<div class="hero" id="hero">{_side_by_side(walks | {"true walk": truth})}</div>'
     page = "\n".join([hero, DROP, head(bvhloader=loader, drop=drop)])
     (folder / "hero.html").write_text(page, encoding="utf-8")
 

@@ -26,15 +26,17 @@ from numpy_cae.mocap import write_bvh
 from tools.readme_picture import damaged_walk
 
 DOCS = Path(__file__).parents[1] / "docs"
-WIDTH, HEIGHT, COLOURS = 1000, 720, 128
+WIDTH = 1000
+HEIGHT = 720
+COLOURS = 128
 FRAME = 50
 """The frame that is shown of a page that plays motions; of a page with findings it is the
 middle of the chosen one."""
 FEATURE = re.compile(
     r"## (?P<heading>.*)\n[^#]*?```sh\n(?P<command>.*)\n```\n\n"
-    r"(`(?P<shown>.*)`:\n\n)?!\[.*\]\((?P<picture>.*)\)"
+    r"(`(?P<file>.*)`:\n\n)?!\[.*\]\((?P<picture>.*)\)"
 )
-"""Of docs/features.md, the heading, the command, the file that the picture shows, or
+"""A section of docs/features.md: its heading, the command, the file that the picture shows, or
 nothing where the picture shows what was printed, and the picture."""
 WRONG = """import numpy as np
 
@@ -64,14 +66,14 @@ def write_motions(folder: Path) -> None:
     (folder / "conv.py").write_text(WRONG, encoding="utf-8")
 
 
-def picture_of(page: Page, shown: Path, printed: str) -> bytes:
+def picture_of(page: Page, file: Path, printed: str) -> bytes:
     """The PNG of a page, of a picture, or of what was printed."""
-    if shown.suffix == ".png":
-        return shown.read_bytes()
-    if shown.suffix != ".html":
+    if file.suffix == ".png":
+        return file.read_bytes()
+    if file.suffix != ".html":
         page.set_content(TERMINAL.format(escape(printed)))
         return page.locator("pre").screenshot()
-    page.goto(shown.as_uri())
+    page.goto(file.as_uri())
     if page.locator("script.viewer-data, .viewer").count():
         page.wait_for_function("window.motionViewers?.()[0]?.stage", timeout=60_000)
         page.evaluate(
@@ -94,14 +96,15 @@ def write_small(picture: bytes, path: Path) -> None:
 
 def write_pictures(folder: Path, chosen: list[str], picture: Callable[[Path, str], bytes]) -> None:
     """Run the chosen commands of the page, by default all, and write their pictures."""
-    for found in FEATURE.finditer((DOCS / "features.md").read_text(encoding="utf-8")):
-        command, shown = found["command"], found["shown"] or ""
-        if not chosen or found["heading"] in chosen:
-            words = f"{sys.executable} -m {command.replace('-', '_', 1)}"
-            done = subprocess.run(words, shell=True, cwd=folder, capture_output=True, text=True)
-            print(f"{command}: {done.returncode} {done.stderr[-200:]}", flush=True)
-            written = picture(folder / shown, f"{command}\n{done.stdout}")
-            write_small(written, DOCS / found["picture"])
+    for feature in FEATURE.finditer((DOCS / "features.md").read_text(encoding="utf-8")):
+        if chosen and feature["heading"] not in chosen:
+            continue
+        command = feature["command"]
+        words = f"{sys.executable} -m {command.replace('-', '_', 1)}"
+        done = subprocess.run(words, shell=True, cwd=folder, capture_output=True, text=True)
+        print(f"{command}: {done.returncode} {done.stderr[-200:]}", flush=True)
+        file = folder / (feature["file"] or "")
+        write_small(picture(file, f"{command}\n{done.stdout}"), DOCS / feature["picture"])
 
 
 if __name__ == "__main__":

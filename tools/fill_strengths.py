@@ -50,8 +50,10 @@ PARTS = {
 LENGTHS = (10, 20, 45, 90)
 """Lengths of holes, in frames at 30 a second. Between two of them r is interpolated over the
 logarithm of the length; shorter holes have that of the shortest, longer ones of the longest."""
-TAKES, SECONDS = 14, 7.0
-"""Of each source so many takes get holes, in their first seconds."""
+TAKES = 14
+"""Of each source so many takes get holes."""
+SECONDS = 7.0
+"""Holes are in so many first seconds of a take."""
 Part = tuple[str, int]
 """Kind and length of hole."""
 Logs = dict[Part, list[np.ndarray]]
@@ -70,10 +72,10 @@ def errors_of(manifold: MotionManifold, folder: Path, curves: dict[Part, Curve])
             frames = np.flatnonzero(mask.any(axis=1))
             hole = Trials(np.where(mask, part[0], ""), [int(frames[0])], len(frames))
             if curves:
-                there = on_strengths(manifold, body, mask, lambda *_, part=part: curves[part])
+                candidates = on_strengths(manifold, body, mask, lambda *_, part=part: curves[part])
             else:
-                there = (on_one(body, mask, curve) for curve in CURVES.values())
-            errors = errors_in(body, hole, there)[part[0]]
+                candidates = (on_one(body, mask, curve) for curve in CURVES.values())
+            errors = errors_in(body, hole, candidates)[part[0]]
             logs[part].append(np.log(np.maximum(errors[0], LEAST_METRES)))
     return logs
 
@@ -82,7 +84,8 @@ def holes_in(motion: Motion, rng: np.random.Generator) -> Iterator[tuple[Part, n
     """A mask (frames, 20) for each kind and length that fits into the motion."""
     for kind, sides in PARTS.items():
         for length in LENGTHS:
-            frames, margin = round(length * motion.rate / RATE), round(motion.rate / 2)
+            frames = round(length * motion.rate / RATE)
+            margin = round(motion.rate / 2)
             room = len(motion) - frames - 2 * margin
             if room > 0:
                 first = margin + int(rng.integers(room))
@@ -93,8 +96,19 @@ def holes_in(motion: Motion, rng: np.random.Generator) -> Iterator[tuple[Part, n
 
 def mean_of(sources: list[Logs]) -> dict[Part, np.ndarray]:
     """r of the module's equation."""
-    parts = {part: np.array([row for logs in sources for row in logs[part]]) for part in sources[0]}
-    return {part: np.mean(rows - rows[:, :1], axis=0) for part, rows in parts.items()}
+    means = {}
+    for part in sources[0]:
+        rows = np.concatenate([logs[part] for logs in sources])
+        means[part] = np.mean(rows - rows[:, :1], axis=0)
+    return means
+
+
+def by_kind(means: dict[Part, np.ndarray]) -> dict[str, list[list[float]]]:
+    """Kind of hole to a row of the table for each length."""
+    table = {}
+    for kind in PARTS:
+        table[kind] = [means[kind, length].round(3).tolist() for length in LENGTHS]
+    return table
 
 
 def main() -> None:
@@ -110,13 +124,13 @@ def main() -> None:
     of_curves = mean_of([errors_of(*pair, {}) for pair in pairs])
     curves = {part: mean_curve(weights(r, None, POWERS["curves"])) for part, r in of_curves.items()}
     of_strengths = mean_of([errors_of(*pair, curves) for pair in pairs])
-    tables = {
-        name: {kind: [means[kind, n].round(3).tolist() for n in LENGTHS] for kind in PARTS}
-        for name, means in (("curves", of_curves), ("strengths", of_strengths))
+    table = {
+        "made by": " ".join(map(str, ["python -m tools.fill_strengths", *args.pairs])),
+        "lengths": LENGTHS,
+        "curves": by_kind(of_curves),
+        "strengths": by_kind(of_strengths),
     }
-    made = {"made by": " ".join(map(str, ["python -m tools.fill_strengths", *args.pairs]))}
     with atomic_write(args.output) as path:
-        table = made | {"lengths": LENGTHS} | tables
         path.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
 
 

@@ -9,6 +9,7 @@ left leg is turned by 50 degrees for 1.5 seconds, then the right arm by 70 degre
 
 import sys
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
@@ -20,24 +21,29 @@ from data_synth import make_take
 from numpy_cae.cleanup import repair_motion
 from numpy_cae.manifold import starter
 from numpy_cae.mocap import body_positions
-from numpy_cae.motion import JOINTS, PARENTS, RATE
+from numpy_cae.motion import JOINTS, PARENTS, RATE, Motion
 from numpy_cae.motion.quaternions import product
 from numpy_cae.viz.figures import bones, camera_view
 
-SECONDS, STEP, AZIMUTH = 6.0, 2, 60.0
-"""Duration; frames of the motion for each picture; degrees from which the camera looks."""
+SECONDS = 6.0
+"""Duration of the walk."""
+STEP = 2
+"""Frames of the motion for each picture."""
+AZIMUTH = 60.0
+"""Degrees from which the camera looks."""
 STRETCH = 45
 """Frames of each damage."""
 COLOURS = {"damaged": "#e8833a", "repaired": "#2f6db5", "true walk": "#3f9a4b"}
 
 
-def damaged_walk(motion):
+def damaged_walk(motion: Motion) -> Motion:
     """The motion with a turned left leg and, later, a turned right arm."""
     rotations = motion.rotations.copy()
     for name, start, degrees in (("lfemur", 25, 50), ("rhumerus", 105, -70)):
         half = np.radians(degrees) / 2
         turn = np.array([0, 0, np.sin(half), np.cos(half)])  # a quaternion about the Z axis
-        frames, joint = slice(start, start + STRETCH), motion.skeleton.names.index(name)
+        frames = slice(start, start + STRETCH)
+        joint = motion.skeleton.names.index(name)
         rotations[frames, joint] = product(rotations[frames, joint], turn)
     return replace(motion, rotations=rotations)
 
@@ -62,10 +68,10 @@ def draw(walks: dict[str, np.ndarray], path: str) -> None:
         middle = np.median(walks["true walk"][frame], axis=0)
         follow = middle * [1.0, 0.0, 1.0]  # the point of the floor below it
         for name, (lines, head) in bodies.items():
-            seen = camera_view(walks[name][frame] - follow, AZIMUTH)
-            lines.set_segments(bones(seen, PARENTS))
-            head.set_data(*(seen[JOINTS.index("head")] + [0, 0.06])[:, None])
-        return [artist for body in bodies.values() for artist in body]
+            view = camera_view(walks[name][frame] - follow, AZIMUTH)
+            lines.set_segments(bones(view, PARENTS))
+            head.set_data(*(view[JOINTS.index("head")] + [0, 0.06])[:, None])
+        return list(chain.from_iterable(bodies.values()))
 
     moments = range(0, len(walks["true walk"]), STEP)
     animation = FuncAnimation(figure, show, frames=moments, init_func=lambda: [])
@@ -74,7 +80,8 @@ def draw(walks: dict[str, np.ndarray], path: str) -> None:
 
 def _shade(colour: str, joint: str) -> np.ndarray:
     """The left side is lighter than the right, as in the viewer."""
-    return 1 - (1 - np.array(to_rgb(colour))) * (0.6 if joint.startswith("left") else 1.0)
+    strength = 0.6 if joint.startswith("left") else 1.0
+    return 1 - (1 - np.array(to_rgb(colour))) * strength
 
 
 def main(path: str) -> None:
@@ -86,7 +93,8 @@ def main(path: str) -> None:
     walks = {name: body_positions(motion) for name, motion in motions.items()}
     for name in ("damaged", "repaired"):
         error = np.linalg.norm(walks[name] - walks["true walk"], axis=-1)
-        mean, largest = 100 * error.mean(), 100 * error.max()
+        mean = 100 * error.mean()
+        largest = 100 * error.max()
         print(f"{name}: {mean:.1f} cm from the true walk in the mean, {largest:.0f} at most")
     draw(walks, path)
 

@@ -26,8 +26,10 @@ from studies.jang2018.actions import Action
 from studies.jang2018.mmd import MmdEngine
 from studies.shared.result import Claim, Picture, Result
 
-CLIPS, DIRECTIONS = 1000, 128
-"""Latent vectors, and directions, of one measurement of the discrepancy."""
+CLIPS = 1000
+"""Latent vectors of one measurement of the discrepancy."""
+DIRECTIONS = 128
+"""Directions of one measurement of the discrepancy."""
 CURVE_POINTS = 40
 Curve = dict[str, np.ndarray]
 """"error" and "discrepancy" against the number of "steps", (P,) arrays."""
