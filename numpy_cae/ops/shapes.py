@@ -30,5 +30,7 @@ def require_shape(name: str, array: np.ndarray, expected: tuple) -> None:
         isinstance(want, str) or want == have for have, want in zip(shape, expected, strict=True)
     )
     if not fits:
-        wanted = "(" + ", ".join(map(str, expected)) + ("," if len(expected) == 1 else "") + ")"
-        raise ValueError(f"{name} has shape {shape}, expected {wanted}")
+        lengths = ", ".join(map(str, expected))
+        if len(expected) == 1:
+            lengths += ","
+        raise ValueError(f"{name} has shape {shape}, expected ({lengths})")

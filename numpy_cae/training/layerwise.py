@@ -6,6 +6,7 @@ at once. What is random in a step is drawn by `corruption`.
 """
 
 from collections.abc import Callable
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -139,8 +140,7 @@ def take_step(
         first = [unpooling_mask(x, model.layers[part.layer].b.size, rng)]
     loss, gradients = model.loss_and_gradients(x, corrupted, stage.alpha, first, part.layer)
     if np.isfinite(loss):
-        # dw1, db1, dw2, db2, …: the order of the parameters.
-        arrays = [gradient for layer_gradients in gradients for gradient in layer_gradients]
+        arrays = list(chain.from_iterable(gradients))  # dw1, db1, dw2, db2, … as the parameters
         if stage.norm is not None:
             clip_norm(arrays, stage.norm)
         optimiser.update(arrays, rate)

@@ -7,8 +7,8 @@ import time
 from numpy_cae.training.state import HELD_OUT, TrainingState
 
 INTERVAL_SECONDS = 30.0
-"""INTERVAL_SECONDS: within an epoch, a line is printed when this time (s) has passed since the last
-one; in a terminal, where one line renews itself, after a hundredth of it."""
+"""Within an epoch, a line is printed when this time (s) has passed since the last one; in a
+terminal, where one line renews itself, after a hundredth of it."""
 
 
 class ProgressPrinter:
@@ -24,27 +24,40 @@ class ProgressPrinter:
     """
 
     def __init__(self) -> None:
-        self.printed = time.monotonic()
-        self.columns = shutil.get_terminal_size().columns - 1 if sys.stderr.isatty() else 0
+        self.last_print = time.monotonic()
+        self.columns = 0  # of the terminal, if there is one
+        if sys.stderr.isatty():
+            self.columns = shutil.get_terminal_size().columns - 1
 
     def __call__(self, state: TrainingState) -> None:
         """Print a line if it is time."""
         interval = INTERVAL_SECONDS / 100 if self.columns else INTERVAL_SECONDS
-        if state.step and time.monotonic() - self.printed <= interval:
+        if state.step and time.monotonic() - self.last_print <= interval:
             return
-        epochs = state.epoch + state.step / state.steps
-        losses = state.losses
-        done = f"{epochs:.2f}/{state.epochs}" if state.step else f"{state.epoch}/{state.epochs}"
-        done += "".join(f": loss {loss:.5f}" for loss in losses.get(state.name, [])[-1:])
-        done += "".join(f", held-out {error:.2f} cm" for error in losses.get(HELD_OUT, [])[-1:])
-        elapsed = state.seconds[state.name]
-        left = elapsed * (state.epochs / epochs - 1)
-        times = f"{left:.0f} s left"
-        if not self.columns:  # one line of a terminal is short
-            times = f"{elapsed:.0f} s elapsed, {times}"
-        line = f"{state.name}, epoch {done}, {times}"
         if self.columns:
-            is_last = state.epoch == state.epochs
-            line = "\r" + line[: self.columns].ljust(self.columns) + "\n" * is_last
-        print(line, end="" if self.columns else "\n", file=sys.stderr, flush=True)
-        self.printed = time.monotonic()
+            line = describe_progress(state, is_short=True)
+            end = "\n" if state.epoch == state.epochs else ""
+            print(
+                "\r" + line[: self.columns].ljust(self.columns),
+                end=end,
+                file=sys.stderr,
+                flush=True,
+            )
+        else:
+            print(describe_progress(state), file=sys.stderr, flush=True)
+        self.last_print = time.monotonic()
+
+
+def describe_progress(state: TrainingState, is_short: bool = False) -> str:
+    """Epoch, last loss, last error on held-out takes, time elapsed (unless short) and time left."""
+    epochs = state.epoch + state.step / state.steps
+    number = f"{epochs:.2f}" if state.step else f"{state.epoch}"
+    text = f"{state.name}, epoch {number}/{state.epochs}"
+    if losses := state.losses.get(state.name):
+        text += f": loss {losses[-1]:.5f}"
+    if errors := state.losses.get(HELD_OUT):
+        text += f", held-out {errors[-1]:.2f} cm"
+    elapsed = state.seconds[state.name]
+    if not is_short:
+        text += f", {elapsed:.0f} s elapsed"
+    return f"{text}, {elapsed * (state.epochs / epochs - 1):.0f} s left"

@@ -62,7 +62,8 @@ def test_the_gaussian_estimates_the_conditional_mean_of_seven_frames_in_fifteen(
     fitted = Gaussian(x, np.ones((60, 23), bool))
     rows = np.pad(x, ((0, 0), (7, 7), (0, 0)))
     rows = np.stack([rows[n, t : t + 15].ravel() for n in range(60) for t in range(23)])
-    mean, covariance = rows.mean(axis=0), np.cov(rows.T, bias=True)
+    mean = rows.mean(axis=0)
+    covariance = np.cov(rows.T, bias=True)
     covariance += baselines.RIDGE * np.diag(covariance).mean() * np.eye(30)
     known = rng.random((23, 2)) < 0.5
     known[15:] = True
@@ -71,7 +72,7 @@ def test_the_gaussian_estimates_the_conditional_mean_of_seven_frames_in_fifteen(
         o = [(t, c) for t in range(start - 4, start + 11) for c in (0, 1) if 0 <= t < 23]
         o = [(t, c) for t, c in o if known[t, c]]
         at = [2 * (t - start + 4) + c for t, c in o]
-        gap = np.array([x[0][each] for each in o]) - mean[at]
+        gap = np.array([x[0, t, c] for t, c in o]) - mean[at]
         weights = np.linalg.solve(covariance[np.ix_(at, at)], gap)
         for t, c in np.argwhere(~known[start : start + 7]) + [start, 0]:
             place = 2 * (t - start + 4) + c
@@ -91,7 +92,9 @@ def test_curves_are_those_of_scipy_and_numpy(seed):
     frames = np.arange(60)
     for window, column in np.ndindex(2, 3):
         keys = np.flatnonzero(known[window, :, column])
-        values, expected, straight = x[window, keys, column], np.zeros(60), np.zeros(60)
+        values = x[window, keys, column]
+        expected = np.zeros(60)
+        straight = np.zeros(60)
         if len(keys):
             straight = np.interp(frames, keys, values)
             expected = straight

@@ -95,8 +95,8 @@ def test_the_nearest_pose_equals_an_exhaustive_search(walk):
     rng = np.random.default_rng(0)
     features, _ = motion.positions_to_features(walk, 30.0)
     queries = features[::7] + rng.normal(0, 0.02, features[::7].shape)
-    apart = (queries[:, None, :60] - features[None, :, :60]) ** 2
-    expected = 100 * np.sqrt(apart.mean(axis=-1).min(axis=1))
+    squares = (queries[:, None, :60] - features[None, :, :60]) ** 2
+    expected = 100 * np.sqrt(squares.mean(axis=-1).min(axis=1))
     measure = ValidityMeasure([features], LENGTHS, 30.0)
     np.testing.assert_allclose(measure.nearest_distances(queries), expected)
 

@@ -46,24 +46,28 @@ def test_encode_and_decode_are_the_two_halves_of_project(walk_manifold, features
 def test_the_ends_are_the_projections_and_the_longer_motion_is_truncated(
     walk_manifold, features, share, second, expected
 ):
-    one, other = features[0][:50], features[second][:50]
-    between = interpolate(walk_manifold, one, other, share)
+    x_0 = features[0][:50]
+    x_1 = features[second][:50]
+    between = interpolate(walk_manifold, x_0, x_1, share)
     if expected is not None:
         expected = walk_manifold.project(features[expected][:50])
         np.testing.assert_allclose(between, expected, atol=1e-5)
-    for pair in ((one, features[second]), (features[0], other)):
+    for pair in ((x_0, features[second]), (features[0], x_1)):
         np.testing.assert_array_equal(interpolate(walk_manifold, *pair, share), between)
 
 
 def test_a_transition_begins_as_the_first_and_ends_as_the_second(walk_manifold, features):
-    one, other = features[0][:110], features[1][:110]
-    between = interpolate(walk_manifold, one, other, TRANSITION)
-    first, last = walk_manifold.project(one), walk_manifold.project(other)
+    x_0 = features[0][:110]
+    x_1 = features[1][:110]
+    between = interpolate(walk_manifold, x_0, x_1, TRANSITION)
+    first = walk_manifold.project(x_0)
+    last = walk_manifold.project(x_1)
 
     def distance(a, b, frames):
         return np.sqrt(np.mean((a - b)[frames] ** 2))
 
-    begin, end = slice(0, 12), slice(-12, None)
+    begin = slice(0, 12)
+    end = slice(-12, None)
     assert distance(between, first, begin) < 0.3 * distance(first, last, begin)
     assert distance(between, last, end) < 0.3 * distance(first, last, end)
     np.testing.assert_allclose(shares(TRANSITION, 5)[:, 0], [0, 0.25, 0.5, 0.75, 1])
@@ -84,20 +88,21 @@ def test_the_fitted_prior_stays_between_windows(walk_manifold, features):
 @pytest.mark.parametrize("frames", [1, 20, 32, 100])
 def test_samples_have_the_requested_length_and_repeat_by_seed(walk_manifold, features, frames):
     for prior in (None, NeighbourPrior(encode_windows(walk_manifold, features))):
-        one, again, other = (
+        first, again, second = (
             sample(walk_manifold, frames, np.random.default_rng(seed), prior) for seed in (3, 3, 4)
         )
-        assert one.shape == (frames, 63)
-        np.testing.assert_array_equal(one, again)
-        assert not np.array_equal(one, other)
+        assert first.shape == (frames, 63)
+        np.testing.assert_array_equal(first, again)
+        assert not np.array_equal(first, second)
 
 
 @given(st.lists(UNITS, min_size=2, max_size=4), st.lists(UNITS, min_size=1, max_size=3))
-def test_the_matrix_is_equation_4_of_each_pair(some, others):
-    matrix = distance_matrix([signature(u) for u in some], [signature(u) for u in others])
-    np.testing.assert_allclose(matrix, [[G(a, b) for b in others] for a in some], atol=1e-12)
-    square = distance_matrix([signature(u) for u in some])
-    np.testing.assert_allclose(square, [[G(a, b) for b in some] for a in some], atol=1e-12)
+def test_the_matrix_is_equation_4_of_each_pair(rows, columns):
+    matrix = distance_matrix([signature(u) for u in rows], [signature(u) for u in columns])
+    square = distance_matrix([signature(u) for u in rows])
+    for i, a in enumerate(rows):
+        np.testing.assert_allclose(matrix[i], [G(a, b) for b in columns], atol=1e-12)
+        np.testing.assert_allclose(square[i], [G(a, b) for b in rows], atol=1e-12)
 
 
 @pytest.mark.parametrize("frames", [1, 3, 4, 5, 120])

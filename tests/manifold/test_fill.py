@@ -65,8 +65,8 @@ def plainly_completed(manifold, features, known):
     while not last:
         steps = np.linalg.norm(np.diff(iterates, axis=0), axis=(1, 2))
         last = len(steps) == 4 or (len(steps) and steps[-1] < steps[0] / 10)
-        whole = iterates[-1] / manifold.scale + manifold.mean_pose
-        projected = manifold.project(whole, average_shifts=last)
+        iterate = iterates[-1] / manifold.scale + manifold.mean_pose
+        projected = manifold.project(iterate, average_shifts=last)
         projected = (projected - manifold.mean_pose) * manifold.scale
         iterates.append(np.where(known, x, projected + curve(x - projected)))
     return iterates[-1] / manifold.scale + manifold.mean_pose, len(iterates) - 1
@@ -120,9 +120,11 @@ def test_a_filled_joint_of_a_file_moves_alone(walk_manifold, rate, frames, joint
 def test_keyframes_of_a_file_are_unchanged(walk_manifold, rate, frames, every):
     motion = walk(3, rate, frames)
     filled = fill_motion(motion, walk_manifold, keyframe_mask(frames, every)).motion
-    for kept in (slice(None, None, every), slice((frames - 1) // every * every, None)):
-        np.testing.assert_array_equal(filled.rotations[kept], motion.rotations[kept])
-        np.testing.assert_array_equal(filled.translations[kept], motion.translations[kept])
+    keyframes = slice(None, None, every)
+    after_the_last = slice((frames - 1) // every * every, None)
+    for same in (keyframes, after_the_last):
+        np.testing.assert_array_equal(filled.rotations[same], motion.rotations[same])
+        np.testing.assert_array_equal(filled.translations[same], motion.translations[same])
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])
@@ -130,9 +132,11 @@ def test_keyframes_of_a_file_are_unchanged(walk_manifold, rate, frames, every):
 def test_values_in_a_hole_are_ignored_and_its_ends_join(walk_manifold, rate, joints):
     """Rotation and speed have no jump: the step into a hole is near that before it."""
     motion = walk(3, rate)
-    first, end = round(0.6 * rate), round(1.3 * rate)
+    first = round(0.6 * rate)
+    end = round(1.3 * rate)
     missing = hole(len(motion), first, end, *map(JOINTS.index, joints))
-    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    rotations = motion.rotations.copy()
+    translations = motion.translations.copy()
     rotations[missing.all(axis=1)] = rotations[first, None]
     rotations[first:end, motion.skeleton.index("lhumerus")] = [0.0, 1.0, 0.0, 0.0]
     translations[missing.all(axis=1), 0] += 3.0
@@ -141,5 +145,6 @@ def test_values_in_a_hole_are_ignored_and_its_ends_join(walk_manifold, rate, joi
         body_positions(fill_motion(x, walk_manifold, missing).motion) for x in (motion, spoilt)
     ]
     np.testing.assert_allclose(positions[1], positions[0], atol=1e-6)
-    joined, true = (np.diff(each, 2, axis=0) for each in (positions[0], body_positions(motion)))
-    assert np.abs(joined[[first - 2, end - 1]]).max() < 1.5 * np.abs(true).max()
+    filled = np.diff(positions[0], 2, axis=0)
+    true = np.diff(body_positions(motion), 2, axis=0)
+    assert np.abs(filled[[first - 2, end - 1]]).max() < 1.5 * np.abs(true).max()

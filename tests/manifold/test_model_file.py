@@ -21,7 +21,7 @@ def models(tiny_manifolds, tmp_path_factory):
     saved = {}
     for kind, manifold in tiny_manifolds[0].items():
         manifold.save(file)
-        assert [each.name for each in file.parent.iterdir()] == ["m.npz"]
+        assert [path.name for path in file.parent.iterdir()] == ["m.npz"]
         saved[kind] = file.read_bytes()
     return saved
 
@@ -35,17 +35,18 @@ def file(tmp_path):
 @TYPES
 def test_a_manifold_comes_back(tiny_manifolds, models, file, kind, engine):
     file.write_bytes(models[kind])
-    saved, loaded = tiny_manifolds[0][kind], load_manifold(file, engine)
+    saved = tiny_manifolds[0][kind]
+    loaded = load_manifold(file, engine)
     assert loaded.settings == json.loads(json.dumps(saved.settings))
     if kind == "conv":
         assert (loaded.rate, loaded.rescales, loaded.window) == (30.0, True, 16)
         features = Body(tiny_manifolds[1], saved.lengths).features
-        results = [each.project(features) for each in (loaded, saved)]
+        results = [manifold.project(features) for manifold in (loaded, saved)]
     else:
         assert (loaded.rate, loaded.frames, loaded.table) == (25.0, 30, saved.table)
         np.testing.assert_array_equal(loaded.offsets, saved.offsets)
         x = saved.normalise(cut_clips([angles_of(tiny_manifolds[1])]))
-        results = [each.network.denoise(x) for each in (loaded, saved)]
+        results = [manifold.network.denoise(x) for manifold in (loaded, saved)]
     np.testing.assert_allclose(*results, atol=0 if engine == "fast" else 1e-5)
     with pytest.raises(ValueError, match="engine is 'slow'"):
         load_manifold(file, "slow")

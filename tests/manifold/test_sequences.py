@@ -44,12 +44,12 @@ def test_a_seed_determines_the_weights_and_a_report_changes_nothing(manifold, se
 
     read_apart = [pickle.loads(pickle.dumps(sequence)) for sequence in sequences]  # in processes
     again = learn_sequences(read_apart, SHORT, 0, report=report, hidden=6, latent=3)
-    other = learn_sequences(sequences, SHORT, 1, hidden=6, latent=3)
+    another = learn_sequences(sequences, SHORT, 1, hidden=6, latent=3)
     assert steps == [(0, 1), (0, 2), (1, 0)]
     for name, weight in manifold.network.weights.items():
         np.testing.assert_array_equal(weight, again.network.weights[name])
     latent_w = again.network.weights["latent_w"]
-    assert not np.array_equal(latent_w, other.network.weights["latent_w"])
+    assert not np.array_equal(latent_w, another.network.weights["latent_w"])
 
 
 def test_different_rigs_are_not_learned_together(sequences):

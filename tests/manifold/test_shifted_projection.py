@@ -42,9 +42,11 @@ def test_only_a_network_trained_on_rescaled_input_is_given_it(network):
     plain = MotionManifold(network, np.zeros(63), np.ones(63), np.ones(20))
     rescaling = replace(plain, rescales=True)
     lost = zero_values(X, 0.5, np.random.default_rng(3))
-    given = lost / (1 - zeroed_fraction(lost))
+    rescaled = lost / (1 - zeroed_fraction(lost))
     np.testing.assert_allclose(plain.project_windows(lost), network.project(lost), atol=1e-6)
-    np.testing.assert_allclose(rescaling.project_windows(lost), network.project(given), atol=1e-6)
+    np.testing.assert_allclose(
+        rescaling.project_windows(lost), network.project(rescaled), atol=1e-6
+    )
     np.testing.assert_allclose(rescaling.project_windows(X), network.project(X), atol=1e-6)
     clip = zero_values(X[0, :29], 0.5, np.random.default_rng(4))
     by_hand = plain.project(clip / (1 - zeroed_fraction(clip[None])[0]), average_shifts=True)

@@ -37,14 +37,18 @@ def as_function_of_parameters(model, x, corrupted, alpha, first, layer):
     layers = model.layers if layer is None else [model.layers[layer]]
 
     def loss(*parameters):
-        for each, w, b in zip(layers, parameters[0::2], parameters[1::2], strict=True):
-            each.w, each.b = w, b
+        for used, w, b in zip(layers, parameters[0::2], parameters[1::2], strict=True):
+            used.w = w
+            used.b = b
         value, gradients = model.loss_and_gradients(x, corrupted, alpha, first, layer)
         flat = [gradient for pair in gradients for gradient in pair]
         return np.float64(value), lambda dloss: tuple(dloss * gradient for gradient in flat)
 
-    start = [array.copy() for each in layers for array in (each.w, each.b)]
-    names = [f"{kind}{k + 1}" for k in range(len(layers)) for kind in "wb"]
+    start = []
+    names = []
+    for number, used in enumerate(layers, start=1):
+        start += [used.w.copy(), used.b.copy()]
+        names += [f"w{number}", f"b{number}"]
     return loss, start, names
 
 

@@ -34,9 +34,9 @@ def check_whole_loss(model, rng, *material):
     names = list(model.weights)
 
     def loss(*arrays):
-        given = copy(model)
-        given.weights = dict(zip(names, arrays, strict=True))
-        value, gradients = given.loss_and_gradients(*material)
+        with_arrays = copy(model)
+        with_arrays.weights = dict(zip(names, arrays, strict=True))
+        value, gradients = with_arrays.loss_and_gradients(*material)
         assert list(gradients) == names
         return np.float64(value.total), lambda up: tuple(up * gradients[name] for name in names)
 
@@ -63,9 +63,12 @@ def test_gradients_of_the_whole_loss(seed, batch, frames, weight, burn_in):
 def test_the_first_step_is_fed_zeros_and_every_other_its_own_frame(frames):
     rng = np.random.default_rng(7)
     model = drawn_model(rng)
-    w, z = model.weights, rng.normal(size=(3, 2))
+    w = model.weights
+    z = rng.normal(size=(3, 2))
     gru = [w[f"decoder_{letter}"] for letter in "wubc"]
-    h, y, written = z @ w["state_w"] + w["state_b"], np.zeros((3, 3)), []
+    h = z @ w["state_w"] + w["state_b"]
+    y = np.zeros((3, 3))
+    written = []
     for _ in range(frames):
         h, _ = ops.gru_step(y, h, *gru)
         y = h @ w["frame_w"] + w["frame_b"]
@@ -75,11 +78,12 @@ def test_the_first_step_is_fed_zeros_and_every_other_its_own_frame(frames):
 
 def test_the_last_frame_of_a_clip_is_written_first_after_the_burn_in():
     """Of ten frames from z, the last five are the five frames from z; a burn-in leaves some out."""
-    model, z = drawn_model(np.random.default_rng(9)), np.random.default_rng(10).normal(size=(2, 2))
+    model = drawn_model(np.random.default_rng(9))
+    z = np.random.default_rng(10).normal(size=(2, 2))
     np.testing.assert_allclose(model.decode(z, 10)[:, 5:], model.decode(z, 5), atol=1e-12)
-    other = copy(model)
-    other.burn_in = 3
-    np.testing.assert_array_equal(other.decode(z, 7), model.decode(z, 10)[:, :7])
+    with_burn_in = copy(model)
+    with_burn_in.burn_in = 3
+    np.testing.assert_array_equal(with_burn_in.decode(z, 7), model.decode(z, 10)[:, :7])
 
 
 def test_no_frame_of_the_source_reaches_the_decoder():
@@ -88,10 +92,10 @@ def test_no_frame_of_the_source_reaches_the_decoder():
     model = drawn_model(rng)
     model.weights["encoder_w"][2] = 0  # the encoder ignores the third feature
     x, _, _ = drawn_arguments(rng, model, 2, 6)
-    other = x.copy()
-    other[..., 2] = rng.normal(size=(2, 6))
-    np.testing.assert_array_equal(model.encode(other), model.encode(x))
-    np.testing.assert_array_equal(model.denoise(other), model.denoise(x))
+    changed = x.copy()
+    changed[..., 2] = rng.normal(size=(2, 6))
+    np.testing.assert_array_equal(model.encode(changed), model.encode(x))
+    np.testing.assert_array_equal(model.denoise(changed), model.denoise(x))
 
 
 def test_the_loss_compares_frames_in_the_order_of_time_and_adds_the_discrepancy():
