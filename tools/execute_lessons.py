@@ -2,9 +2,11 @@
 
     python -m tools.execute_lessons 03 05       (without numbers: every lesson and milestone)
     python -m tools.execute_lessons milestone_07
-    python -m tools.execute_lessons --store     the same without executing, after a change of text
+    python -m tools.execute_lessons --points    only the points, after a change of an exercise
 
-The package's copies for students are written, too.
+Outputs change when a lesson changes, or a figure that it shows. That every lesson runs with the
+present code is tested without storing: with short trainings by `pytest -m lessons -k short`, as
+it is by `pytest -m lessons`.
 """
 
 import argparse
@@ -14,22 +16,28 @@ import os
 import re
 import subprocess
 import tempfile
+import tomllib
+from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
-from numpy_cae.course.catalogue import EXERCISES
-from numpy_cae.course.cells import EMPTY, FILE, with_definitions
-from numpy_cae.course.copies import (
-    choose_lessons,
-    write_notebook,
-)
-from numpy_cae.course.notebooks import MILESTONES, find_lessons, read_notebook
+from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
+from numpy_cae.course.copies import choose_lessons, write_notebook
+from numpy_cae.course.mine_file import EMPTY, FILE, with_definitions
+from numpy_cae.course.notebooks import find_lessons, find_milestones, read_notebook
 from numpy_cae.verify.grading.submission import is_exercise
 
 ROOT = Path(__file__).parents[1]
 LESSONS = ROOT / "lessons"
-IMPORTED = ("numpy_cae", "data_synth")
-NOT_IMPORTED = [ROOT / "numpy_cae" / name for name in ("cli", "download", "course/notebooks")]
 SECONDS_A_CELL = 1800
+SHORT_TRAININGS = tomllib.loads(Path(__file__).with_name("short_trainings.toml").read_text("utf-8"))
+FEWER = 12
+"""With short trainings a check cell tries the number of examples divided by this."""
+FEW_EXAMPLES = """
+from tools.execute_lessons import try_few_examples
+try_few_examples()
+"""
+"""The cell before the first one of a lesson with short trainings."""
 
 
 def source_hash(notebook: dict) -> str:
@@ -38,19 +46,28 @@ def source_hash(notebook: dict) -> str:
     return hashlib.sha256("\0".join(sources).encode()).hexdigest()
 
 
-def imports_hash(path: Path) -> str:
-    """A hash of all that the execution of a lesson depends on, beside its own cells.
+def shorten(notebook: dict, lesson: Path) -> dict:
+    """A copy of a lesson whose trainings take a second and whose checks try few examples.
 
-    These are the files of both packages, without the commands and the students' copies, and the
-    solutions of the lessons before. The hash is stored with the outputs: where it is the same, the
-    stored outputs are those of the present code, and the lesson need not be executed again.
+    Raises a ValueError if `short_trainings.toml` names a text that the lesson does not have.
     """
-    digest = hashlib.sha256(mine_before(path).encode())
-    for file in sorted(file for name in IMPORTED for file in ROOT.joinpath(name).rglob("*.*")):
-        left_out = any(file.is_relative_to(folder) for folder in NOT_IMPORTED)
-        if file.is_file() and file.suffix != ".pyc" and not left_out:
-            digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
-    return digest.hexdigest()
+    short = deepcopy(notebook)
+    cells = {cell["id"]: cell for cell in short["cells"]}
+    for cell_id, old, new in SHORT_TRAININGS.get(lesson.stem, ()):
+        if cell_id not in cells or old not in cells[cell_id]["source"]:
+            raise ValueError(f"{lesson.name}: no {old!r} in a cell {cell_id!r}")
+        cells[cell_id]["source"] = cells[cell_id]["source"].replace(old, new)
+    few = {"cell_type": "code", "id": "few-examples", "metadata": {}, "source": FEW_EXAMPLES}
+    short["cells"].insert(0, few | {"outputs": [], "execution_count": None})
+    return short
+
+
+def try_few_examples() -> None:
+    """Let checks in this process try few examples of each property."""
+    for exercises in (CATALOGUE, EXERCISES):
+        for name, exercise in exercises.items():
+            few = [replace(p, examples=max(1, p.examples // FEWER)) for p in exercise.properties]
+            exercises[name] = replace(exercise, properties=tuple(few))
 
 
 def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
@@ -81,11 +98,9 @@ def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
             coalesce_streams=True,
             resources={"metadata": {"path": folder}},
         )
-        kept = {k: v for k, v in os.environ.items() if k != "NUMPY_CAE_DATA"}
-        kept |= {"NUMPY_CAE_DATA": data} if data else {}
         try:
             # A kernel's standard error is about its ports, not about the lesson.
-            client.execute(env=kept | {"OPENBLAS_NUM_THREADS": "1"}, stderr=subprocess.DEVNULL)
+            client.execute(env=_environment(data), stderr=subprocess.DEVNULL)
         except CellExecutionError as error:
             raise ValueError(f"{_failing(node)} raises {error.ename}: {error.evalue}") from None
         except (CellTimeoutError, DeadKernelError) as error:
@@ -94,6 +109,17 @@ def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
     executed["metadata"]["numpy_cae"] = {"source_hash": source_hash(notebook)}
     executed["metadata"].pop("widgets", None)
     return executed
+
+
+def _environment(data: str | None) -> dict[str, str]:
+    """The environment of a kernel: the clone can be imported, and one thread is used."""
+    environment = dict(os.environ)
+    environment.pop("NUMPY_CAE_DATA", None)
+    if data:
+        environment["NUMPY_CAE_DATA"] = data
+    environment["OPENBLAS_NUM_THREADS"] = "1"
+    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    return environment
 
 
 def _failing(notebook: dict) -> str:
@@ -127,12 +153,11 @@ def set_points(notebook: dict) -> None:
 
 
 def store(path: Path, executed: bool) -> None:
-    """Store a lesson's points and the package's copy and, if requested, new outputs."""
+    """Store a lesson's points and, if requested, new outputs."""
     notebook = read_notebook(path)
     set_points(notebook)
     if executed:
         notebook = execute(notebook, mine_before(path))
-        notebook["metadata"]["numpy_cae"]["imports_hash"] = imports_hash(path)
         print(f"{path}: executed")
     write_notebook(notebook, path)
 
@@ -141,14 +166,15 @@ def main() -> None:
     """Execute or store the lessons that are named."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("numbers", nargs="*", metavar="NN")
-    parser.add_argument("--store", action="store_true", help="keep the outputs that are stored")
+    parser.add_argument("--points", action="store_true", help="keep the outputs that are stored")
     args = parser.parse_args()
-    every = sorted(LESSONS.glob(MILESTONES))
-    milestones = [path for path in every if path.stem in args.numbers or not args.numbers]
+    milestones = [
+        path for path in find_milestones(LESSONS) if path.stem in args.numbers or not args.numbers
+    ]
     numbers = [number for number in args.numbers if not number.startswith("milestone")]
     lessons = choose_lessons(LESSONS, numbers) if numbers or not args.numbers else []
     for path in [*lessons, *milestones]:
-        store(path, not args.store)
+        store(path, executed=not args.points)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ is made from it. `load_mine`, `report`, `solved`, `progress` and `example` are f
 notebook.
 """
 
-from numpy_cae.course.cells import example, load_mine, progress, report, solved
+from numpy_cae.course.cells import example, progress, report, solved
+from numpy_cae.course.mine_file import load_mine
 
 __all__ = ["example", "load_mine", "progress", "report", "solved"]
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.cells import EMPTY, FILE
+from numpy_cae.course.mine_file import EMPTY, FILE
 from numpy_cae.course.notebooks import (
     BEGIN,
     END,

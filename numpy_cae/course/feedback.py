@@ -7,8 +7,9 @@ from html import escape
 from numpy_cae.verify.grading.report import Report
 
 MOST_LINES = 10
-LONGEST_KEPT = 4000
-"""MOST_LINES: what a function prints is shown so far; it is tested with hundreds of arrays."""
+"""Of what a function prints so many lines are shown; it is tested with hundreds of arrays."""
+MOST_CHARACTERS = 4000
+"""Of what a function prints so many characters are kept."""
 RIGHT, WRONG, OPEN = "#1b7a3d", "#b3261e", "#5f6368"
 TITLE = '<b style="background:{};color:white;border-radius:3px;padding:0 .4em">{}</b>'
 TEXT = '<pre style="white-space:pre-wrap;margin:.2em 0">{}</pre>'
@@ -19,19 +20,20 @@ class Printed(io.TextIOBase):
     """A stream that keeps the beginning of what is printed and counts the lines."""
 
     def __init__(self) -> None:
-        self.kept = ""
+        self.beginning = ""
         self.lines = 0
 
     def write(self, text: str) -> int:
-        self.kept = (self.kept + text)[:LONGEST_KEPT]
+        self.beginning = (self.beginning + text)[:MOST_CHARACTERS]
         self.lines += text.count("\n")
         return len(text)
 
     def __str__(self) -> str:
-        first = self.kept.splitlines()[:MOST_LINES]
-        more = self.lines - len(first)
-        tail = [f"... {more} more lines: your function is called many times"] * (more > 0)
-        return "".join(f"{line}\n" for line in first + tail)
+        lines = self.beginning.splitlines()[:MOST_LINES]
+        more = self.lines - len(lines)
+        if more > 0:
+            lines.append(f"... {more} more lines: your function is called many times")
+        return "".join(f"{line}\n" for line in lines)
 
 
 class Feedback(Report):

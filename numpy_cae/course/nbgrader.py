@@ -39,9 +39,17 @@ def grade_notebook(notebook, resources):
 
 def _check_cell(report: Report):
     """The check cell of an exercise, for a student who has deleted it."""
-    marks = {"grade": True, "locked": True, "solution": False, "task": False, "schema_version": 3}
-    marks |= {"grade_id": f"{report.operation}_check", "cell_type": "code"}
-    return v4.new_code_cell(metadata={"nbgrader": marks | {"points": report.possible}})
+    marks = {
+        "cell_type": "code",
+        "grade": True,
+        "grade_id": f"{report.operation}_check",
+        "locked": True,
+        "points": report.possible,
+        "schema_version": 3,
+        "solution": False,
+        "task": False,
+    }
+    return v4.new_code_cell(metadata={"nbgrader": marks})
 
 
 def _outputs(text: str, points: int) -> list:

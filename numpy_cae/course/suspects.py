@@ -7,10 +7,10 @@ from numpy_cae.verify.operations.property import failing_case
 __all__ = ["BUGS", "SUSPECTS", "accuse", "bug_named", "bugs_of", "conventions_of"]
 
 CATCH_ALL = "special inputs"
-"""CATCH_ALL: a property of every operation that nearly every bug violates; naming it says nothing
+"""A property of every operation that nearly every bug violates; naming it says nothing
 about the mistake."""
 MEANT = {"purity": ("purity", "independence")}
-"""MEANT: a function that keeps something between two calls is not pure either, as programmers use
+"""A function that keeps something between two calls is not pure either, as programmers use
 the word."""
 
 
@@ -33,9 +33,10 @@ class Suspect:
         if named not in stated:
             names = ", ".join(name for name in stated if name != CATCH_ALL)
             return f"{self.operation} has no property {named!r}; it has {names}"
-        meant = [stated[each] for each in MEANT.get(named, (named,))]
-        if any(failing_case(one, self._bug.function()) is not None for one in meant):
-            return ""
+        meant = [stated[name] for name in MEANT.get(named, (named,))]
+        for tested in meant:
+            if failing_case(tested, self._bug.function()) is not None:
+                return ""
         return f"this {self.operation} has the property {named!r}: {meant[0].statement}"
 
     def verdict(self, named: object) -> str:
@@ -44,16 +45,18 @@ class Suspect:
         return f"not yet: {objection}" if objection else self._bug.sentence
 
 
-SUSPECTS = tuple(
-    Suspect(bug_named(name))
-    for name in (
-        "conv_without_flip arctanh_gradient_beyond_bound conv_bias_not_over_windows "
-        "step_biases_alike gru_first_state_dropped conv_accumulates"
-    ).split()
+NAMES_OF_BUGS = (
+    "conv_without_flip",
+    "arctanh_gradient_beyond_bound",
+    "conv_bias_not_over_windows",
+    "step_biases_alike",
+    "gru_first_state_dropped",
+    "conv_accumulates",
 )
+SUSPECTS = tuple(Suspect(bug_named(name)) for name in NAMES_OF_BUGS)
 """The bugs to be found by reading, the first one being suspect 1."""
 
 
-def accuse(suspect):
+def accuse(suspect: int) -> str:
     """The property that suspect 1, 2, ... violates."""
     return SUSPECTS[suspect - 1]._bug.caught_by

@@ -9,8 +9,8 @@ import pytest
 
 from numpy_cae import course, ops
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
-from numpy_cae.course.cells import stand_in as stand_in_for
 from numpy_cae.course.exercises.exercise import hints_of, with_hint
+from numpy_cae.course.stand_in import stand_in
 from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import read_patches
@@ -104,12 +104,12 @@ def test_later_cells_go_on_with_the_students_own_or_the_packages(capsys):
     replaced = course.solved("square", lambda x: (x * x, lambda dy: 2 * dy))
     assert "the package's own" in capsys.readouterr().out
     assert "hint: a pullback takes" in str(course.report("square", replaced, hint=1))
-    stand_in = stand_in_for("conv1d")
-    report = course.report("conv1d", stand_in)
+    package_own = stand_in("conv1d")
+    report = course.report("conv1d", package_own)
     assert report.unsolved and report.points == 0
     assert "run the cell with your function again first" in capsys.readouterr().out
     x, w, b = np.ones((1, 4, 2)), np.ones((3, 2, 1)), np.zeros(1)
-    np.testing.assert_array_equal(stand_in(x, w, b)[0], ops.conv1d(x, w, b)[0])
+    np.testing.assert_array_equal(package_own(x, w, b)[0], ops.conv1d(x, w, b)[0])
     assert course.solved("unpool_even", ops.unpool_even) is ops.unpool_even
     assert capsys.readouterr().out == "unpool_even: the next cells use your function\n"
 

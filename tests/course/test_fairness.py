@@ -15,7 +15,7 @@ from submissions import CLASSES, hand_in
 
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
-from numpy_cae.course.cells import run_mine
+from numpy_cae.course.mine_file import run_mine
 from numpy_cae.course.notebooks import find_lessons, number_of, read_notebook, student_copy
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise

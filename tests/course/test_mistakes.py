@@ -6,7 +6,8 @@ from functools import cache
 import pytest
 
 from numpy_cae import course
-from numpy_cae.course.catalogue import EXERCISES, diagnosis, patches_of, wrong_function
+from numpy_cae.course.catalogue import EXERCISES
+from numpy_cae.course.likely_mistakes import diagnose_exercise, patches_of, wrong_function
 from numpy_cae.course.suspects import SUSPECTS, Suspect
 from numpy_cae.verify.grading.report import report
 from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
@@ -34,7 +35,7 @@ def test_every_known_mistake_is_wrong_in_the_property_that_it_names(name):
 def test_every_known_mistake_is_recognised(name):
     stated, right = {p.name: p for p in EXERCISES[name].properties}, EXERCISES[name].solution
     for patch in patches_of(name):
-        named = diagnosis(EXERCISES[name])(stated[patch.caught_by], wrong_function(patch, right))
+        named = diagnose_exercise(EXERCISES[name])(stated[patch.caught_by], wrong_function(patch, right))
         assert named == patch.sentence or (name, patch.name) in SAME_VALUE, (patch.name, named)
 
 

@@ -16,6 +16,7 @@ The texts and the functions that single exercises name follow below, lesson by l
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -26,28 +27,32 @@ from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
 from numpy_cae.verify.operations.case import Case, spread
 from numpy_cae.verify.operations.operation import OPERATIONS, shape_of
 
-Arguments = Callable[[Case], dict[str, object]]
+Arguments = dict[str, Any]
+"""The arguments of a call by name, in their order; a function that draws one gets those before."""
 
 
-def drawn(entries: Mapping[str, object]) -> Arguments:
-    """Arguments in the order of the call."""
+def draw_as_stated(entries: Mapping[str, object]) -> Callable[[Case], Arguments]:
+    """The function that draws the arguments of a case as the entries of an exercise state."""
 
-    def arguments(case: Case) -> dict[str, object]:
+    def draw(case: Case) -> Arguments:
         rng = case.rng()
-        made: dict[str, object] = {}
+        arguments: Arguments = {}
         for name, entry in entries.items():
-            made[name] = _drawn(entry, case, rng, made)
-        return made
+            arguments[name] = _draw_argument(entry, case, rng, arguments)
+        return arguments
 
-    return arguments
+    return draw
 
 
-def _drawn(entry: object, case: Case, rng: np.random.Generator, made: dict) -> object:
+def _draw_argument(
+    entry: object, case: Case, rng: np.random.Generator, arguments: Arguments
+) -> object:
+    """One argument; `arguments` has those before it."""
     match entry:
         case str(sizes):
             return spread(rng, shape_of(case, sizes))
-        case {"array": sizes, "within": largest}:
-            return spread(rng, shape_of(case, sizes), largest) + entry.get("around", 0.0)
+        case {"array": sizes, "within": largest, **optional}:
+            return spread(rng, shape_of(case, sizes), largest) + optional.get("around", 0.0)
         case {"half": sizes}:
             shape = shape_of(case, sizes)
             return rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
@@ -58,7 +63,7 @@ def _drawn(entry: object, case: Case, rng: np.random.Generator, made: dict) -> o
         case {"recorded": name}:
             return Recorded(globals()[name])
         case {"by": name}:
-            return globals()[name](case, rng, made)
+            return globals()[name](case, rng, arguments)
     return entry
 
 
@@ -70,62 +75,63 @@ def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> n
 QUARTER = "by quarters"
 
 
-def random_tree(case: Case, rng: np.random.Generator, made: dict) -> tuple[int, ...]:
+def random_tree(case: Case, rng: np.random.Generator, arguments: Arguments) -> tuple[int, ...]:
     """The parents of a random tree in which every parent precedes its children."""
     rng = np.random.default_rng([case.seed, 2])
     return (-1, *(int(rng.integers(0, joint)) for joint in range(1, case["joints"])))
 
 
-def some_joint(case: Case, rng: np.random.Generator, made: dict) -> int:
+def some_joint(case: Case, rng: np.random.Generator, arguments: Arguments) -> int:
     """A joint."""
     return case.seed % case["joints"]
 
 
-def some_axes(case: Case, rng: np.random.Generator, made: dict) -> tuple[int, ...]:
+def some_axes(case: Case, rng: np.random.Generator, arguments: Arguments) -> tuple[int, ...]:
     """Different axes of rotation in any order."""
     return tuple(int(axis) for axis in rng.permutation(3)[: case["channels"]])
 
 
-def some_angles(case: Case, rng: np.random.Generator, made: dict) -> tuple[float, ...]:
+def some_angles(case: Case, rng: np.random.Generator, arguments: Arguments) -> tuple[float, ...]:
     """An angle in degrees for each channel."""
     return tuple(float(angle) for angle in 90 * spread(rng, (case["channels"],)))
 
 
-def rotations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def rotations(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """A rotation of each joint in each frame, by quarter turns about the axes or by any angle."""
     from scipy.spatial.transform import Rotation
 
     counts = (case["frames"], case["joints"])
     count = int(np.prod(counts))
     if case["turns"] == QUARTER:
-        every = Rotation.create_group("O").as_matrix().round() + 0.0
-        return every[rng.integers(len(every), size=count)].reshape(*counts, 3, 3)
+        quarter_turns = Rotation.create_group("O").as_matrix().round() + 0.0
+        chosen = rng.integers(len(quarter_turns), size=count)
+        return quarter_turns[chosen].reshape(*counts, 3, 3)
     return Rotation.from_rotvec(spread(rng, (count, 3))).as_matrix().reshape(*counts, 3, 3)
 
 
-def translations(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def translations(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Translations, whole numbers beside quarter turns, so that paper is enough to check them."""
     shape = (case["frames"], case["joints"], 3)
-    whole = rng.choice([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0], shape)
-    return whole if case["turns"] == QUARTER else spread(rng, shape)
+    whole_numbers = rng.choice([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0], shape)
+    return whole_numbers if case["turns"] == QUARTER else spread(rng, shape)
 
 
-def headings(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def headings(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Angles that grow by up to 1.9 radians per frame, past whole turns."""
     rng = case.rng()
     return spread(rng, (1,), 3.0) + np.cumsum(spread(rng, (case["frames"],), 1.0) + 0.9)
 
 
-def lines_across(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def lines_across(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Lines across a body with these headings."""
-    theta = headings(case, rng, made)
+    theta = headings(case, rng, arguments)
     rng = np.random.default_rng([case.seed, 4])
     width = rng.uniform(0.3, 0.8, len(theta))
     tilt = rng.uniform(-0.2, 0.2, len(theta))
     return np.stack([width * np.cos(theta), tilt, -width * np.sin(theta)], axis=-1)
 
 
-def feature_arguments(case: Case) -> dict[str, object]:
+def feature_arguments(case: Case) -> Arguments:
     """The features of random positions, and where and facing which way they begin."""
     positions = spread(case.rng(), (case["frames"], 20, 3))
     features = to_features(positions, headings(case, case.rng(), {}))
@@ -138,25 +144,25 @@ LOSS = (
     "lambda x, corrupted, w, b: "
     "((((w - x.mean()) ** 2).sum() + (b**2).sum()) / 2, w - x.mean(), 1.0 * b)"
 )
-"""LOSS: a loss with its gradients, as simple as it can be for `train_layer`."""
+"""A loss with its gradients, as simple as it can be for `train_layer`."""
 
 
-def corrupted(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def corrupted(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Windows with noise: zeros would tie in the pooling."""
-    return made["x"] + uniform(rng, made["x"].shape, 0.25)
+    return arguments["x"] + uniform(rng, arguments["x"].shape, 0.25)
 
 
-def first_frames(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def first_frames(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Where a value is unpooled to the first frame of its pair."""
     return rng.random((case["batch"], case["frames"] // 2, case["filters"])) < 0.5
 
 
-def generator(case: Case, rng: np.random.Generator, made: dict) -> np.random.Generator:
+def generator(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.random.Generator:
     """What draws the arguments."""
     return rng
 
 
-def random_layers(case: Case, rng: np.random.Generator, made: dict) -> list[tuple]:
+def random_layers(case: Case, rng: np.random.Generator, arguments: Arguments) -> list[tuple]:
     """The filters and biases of each layer."""
     channels = [case["channels"]] + case["layers"] * [case["filters"]]
     return [
@@ -165,21 +171,21 @@ def random_layers(case: Case, rng: np.random.Generator, made: dict) -> list[tupl
     ]
 
 
-def random_windows(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def random_windows(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Windows whose frames can be pooled in every layer."""
     frames = case["units"] * 2 ** case["layers"]
     return uniform(rng, (case["batch"], frames, case["channels"]), 1.0)
 
 
 BLURRED = "lambda x: 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1"
-"""BLURRED: a projection, a mean of each frame and the one before it, that changes every window."""
+"""A projection, a mean of each frame and the one before it, that changes every window."""
 
 
 WITH_MEAN = "lambda x, known: np.where(known, x, np.mean(x[known]))"
-"""WITH_MEAN: an interpolation as simple as it can be."""
+"""An interpolation as simple as it can be."""
 
 
-def damaged_arguments(case: Case) -> dict[str, object]:
+def damaged_arguments(case: Case) -> Arguments:
     """Windows whose values were set to zero, and features that are zero in all frames."""
     rng = case.rng()
     batch, frames, channels = (case[name] for name in ("batch", "frames", "channels"))
@@ -192,7 +198,7 @@ def damaged_arguments(case: Case) -> dict[str, object]:
     return {"x": np.concatenate([x, still], axis=2)}
 
 
-def moment_arguments(case: Case) -> dict[str, object]:
+def moment_arguments(case: Case) -> Arguments:
     """The moments of correlated random inputs z and outputs x."""
     rng = case.rng()
     inputs = case["inputs"]
@@ -202,49 +208,49 @@ def moment_arguments(case: Case) -> dict[str, object]:
     return {"second": z.T @ z / len(z), "cross": z.T @ x / len(z), "kept": case["tenths"] / 10}
 
 
-def some_alike(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def some_alike(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Which motions are alike."""
     return rng.permutation(np.arange(case["motions"]) < case["alike"])
 
 
-def linear_pullback(case: Case, rng: np.random.Generator, made: dict) -> Recorded:
+def linear_pullback(case: Case, rng: np.random.Generator, arguments: Arguments) -> Recorded:
     """The pullback of a recurrence with one matrix for each frame: dh_(t-1) = dh_t · M_t."""
     matrices = spread(rng, (case["frames"], case["hidden"], case["hidden"]), 1.5)
     text = f"lambda t, dh: dh @ np.array({np.round(matrices, 4).tolist()})[t - 1]"
     return Recorded(text)
 
 
-def clip_arguments(case: Case) -> dict[str, object]:
+def clip_arguments(case: Case) -> Arguments:
     """Arrays of several shapes, and a bound of so many quarters of their norm; of 0, zeros."""
     rng = case.rng()
     shapes = [(case["rows"], 2), (2,), (1, case["rows"])][: case["arrays"]]
     gradients = [spread(rng, shape) * (case["quarters"] > 0) + 0.0 for shape in shapes]
-    norm = float(np.sqrt(sum(np.sum(each**2) for each in gradients)))
+    norm = float(np.sqrt(sum(np.sum(gradient**2) for gradient in gradients)))
     return {"gradients": gradients, "bound": case["quarters"] / 4 * norm or 1.0}
 
 
 OF_ENCODER = ("encoder_", "latent_")
 
 
-def random_weights(case: Case, rng: np.random.Generator, made: dict) -> Weights:
+def random_weights(case: Case, rng: np.random.Generator, arguments: Arguments) -> Weights:
     """Every weight of the network by name."""
     shapes = weight_shapes(case["features"], case["hidden"], case["latent"])
     return {name: uniform(rng, shape, 1.0) for name, shape in shapes.items()}
 
 
-def encoder(case: Case, rng: np.random.Generator, made: dict) -> Weights:
+def encoder(case: Case, rng: np.random.Generator, arguments: Arguments) -> Weights:
     """The weights from clips to z."""
-    every = random_weights(case, rng, made)
-    return {name: weight for name, weight in every.items() if name.startswith(OF_ENCODER)}
+    weights = random_weights(case, rng, arguments)
+    return {name: weight for name, weight in weights.items() if name.startswith(OF_ENCODER)}
 
 
-def decoder(case: Case, rng: np.random.Generator, made: dict) -> Weights:
+def decoder(case: Case, rng: np.random.Generator, arguments: Arguments) -> Weights:
     """The weights from z to clips."""
-    every = random_weights(case, rng, made)
-    return {name: weight for name, weight in every.items() if not name.startswith(OF_ENCODER)}
+    weights = random_weights(case, rng, arguments)
+    return {name: weight for name, weight in weights.items() if not name.startswith(OF_ENCODER)}
 
 
-def random_directions(case: Case, rng: np.random.Generator, made: dict) -> np.ndarray:
+def random_directions(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Unit vectors, one a row."""
     return unit_rows(rng.uniform(-1.0, 1.0, (case["directions"], case["latent"])))
 
@@ -260,19 +266,19 @@ class Matrix:
         return self.a @ x, lambda dy: self.of_pullback.T @ dy
 
 
-def cubic(case: Case, rng: np.random.Generator, made: dict) -> Recorded:
+def cubic(case: Case, rng: np.random.Generator, arguments: Arguments) -> Recorded:
     """L(x) = Σ w x³; its central difference with step h is exactly 3 w x² + w h²."""
     w = spread(rng, (case["rows"], case["columns"]))
     return Recorded(f"lambda x: np.sum(np.array({np.round(w, 4).tolist()}) * x**3)")
 
 
-def wrong_matrix(case: Case, rng: np.random.Generator, made: dict) -> Matrix:
+def wrong_matrix(case: Case, rng: np.random.Generator, arguments: Arguments) -> Matrix:
     """A matrix with a wrong pullback."""
     a = spread(rng, (case["rows"], case["columns"]))
     return Matrix(a, a + 1)
 
 
-def seed(case: Case, rng: np.random.Generator, made: dict) -> int:
+def seed(case: Case, rng: np.random.Generator, arguments: Arguments) -> int:
     """The seed of the case, from which a check draws everything."""
     return case.seed
 
@@ -280,12 +286,12 @@ def seed(case: Case, rng: np.random.Generator, made: dict) -> int:
 MULTIPLY = "lambda a, b: a * b"
 
 
-def block_arguments(case: Case) -> dict[str, object]:
+def block_arguments(case: Case) -> Arguments:
     """The arguments of a convolution, and the matrices of its blocks."""
     matrices = zip("agc", block_matrices(case["taps"], case["block"]), strict=True)
     return {**OPERATIONS["conv1d"].arguments(case), **dict(matrices)}
 
 
-def some_frequency(case: Case, rng: np.random.Generator, made: dict) -> int:
+def some_frequency(case: Case, rng: np.random.Generator, arguments: Arguments) -> int:
     """A frequency from 0 to half of the points."""
     return case.seed % ((case["frames"] + case["taps"] - 1) // 2 + 1)

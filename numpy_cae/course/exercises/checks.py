@@ -5,9 +5,10 @@ pairs (w, b) of each layer.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from inspect import signature
+from typing import Any
 
 import numpy as np
 
@@ -19,66 +20,68 @@ from numpy_cae.verify.operations.property import drawn_upstream, require_equal
 from numpy_cae.verify.operations.trial import same
 
 Names = tuple[str, ...]
+Part = str | Sequence[int] | None
+"""The one of several results that a property is about, or the first and the end of its columns."""
 
 PULLBACK = "the pullback"
 AGREES = "it agrees with central differences of the function that you wrote"
-"""AGREES: the statement of each gradient's property."""
+"""The statement of each gradient's property."""
 KEY = re.compile(r"\w+\['(\w+)'\]")
-"""KEY: the name of an array in a dict, such as weights['w'], whose key is w."""
+"""The name of an array in a dict, such as weights['w'], whose key is w."""
 
 
 def on_copies(check: Callable) -> Callable:
     """The check of a function that gets copies of its arguments."""
 
-    def with_copies(function: Callable, case, **given: object) -> None:
-        check(lambda *passed: function(*map(deepcopy, passed)), case, **given)
+    def with_copies(function: Callable, case, **arguments: object) -> None:
+        check(lambda *passed: function(*map(deepcopy, passed)), case, **arguments)
 
     return with_copies
 
 
-def purity(arguments, function, case, **given):
+def purity(draw, function, case, **arguments):
     """The property of every exercise whose arguments are arrays."""
-    before = calling.all_leaves(deepcopy([*given.values()]), [*given])
-    function(*given.values())
-    after = calling.all_leaves([*given.values()], [*given])
+    before = calling.all_leaves(deepcopy([*arguments.values()]), [*arguments])
+    function(*arguments.values())
+    after = calling.all_leaves([*arguments.values()], [*arguments])
     for (part, array), (_, now) in zip(before, after, strict=True):
         if isinstance(array, np.ndarray) and not np.array_equal(now, array):
             raise Mismatch(calling.ALTERED, part, f"the call changes {part}")
 
 
-def strides(arguments, function, case, **given):
+def strides(draw, function, case, **arguments):
     """The property that the memory order of the arguments does not matter."""
-    expected = arrays_in(function(*deepcopy(given).values()), case)
-    returned = function(*_changed(given, LAYOUTS[case.get("layout")]))
+    expected = arrays_in(function(*deepcopy(arguments).values()), case)
+    returned = function(*_changed(arguments, LAYOUTS[case.get("layout")]))
     if not same(arrays_in(returned, case), expected):
         text = f"of arrays {case.get('layout')}, it returns something else than of copies of them"
         raise Mismatch(calling.NUMBER, "the result", text)
 
 
-def dtype(arguments, function, case, **given):
+def dtype(draw, function, case, **arguments):
     """The property that float32 stays float32; a Python number has no dtype to lose."""
-    narrowed = _changed(given, lambda a: a.astype(np.float32) if a.dtype == np.float64 else a)
+    narrowed = _changed(arguments, lambda a: a.astype(np.float32) if a.dtype == np.float64 else a)
     for result in numbers_in(function(*narrowed), case):
         if getattr(result, "dtype", None) == np.float64:
             raise Mismatch(calling.DTYPE, "the result", "given float32, a result is float64")
 
 
-def independence(arguments, function, case, **given):
-    """The property that no call depends on another; `arguments` draws those of another call."""
-    first = function(*deepcopy(given).values())
-    kept = arrays_in(first, case)
-    function(*arguments(Case(case.sizes, case.seed + 1)).values())
-    if not same(arrays_in(first, case), kept):
+def independence(draw, function, case, **arguments):
+    """The property that no call depends on another; `draw` draws those of another call."""
+    first = function(*deepcopy(arguments).values())
+    before = arrays_in(first, case)
+    function(*draw(Case(case.sizes, case.seed + 1)).values())
+    if not same(arrays_in(first, case), before):
         text = "after another call, what the first one returned is another"
         raise Mismatch(calling.OVERWRITTEN, "the result", text)
-    if not same(arrays_in(function(*deepcopy(given).values()), case), kept):
+    if not same(arrays_in(function(*deepcopy(arguments).values()), case), before):
         text = "called again after a call with other arguments, it returns something else"
         raise Mismatch(calling.REPEATED, "the result", text)
 
 
-def _changed(given: Mapping[str, object], change: Callable) -> Iterator[object]:
+def _changed(arguments: Mapping[str, object], change: Callable) -> Iterator[object]:
     """The arguments with every array changed."""
-    for name, argument in given.items():
+    for name, argument in arguments.items():
         parts = (change(p) if isinstance(p, np.ndarray) else p for _, p in leaves(name, argument))
         yield rebuilt(argument, parts)
 
@@ -92,7 +95,7 @@ class Recorded:
     def __init__(self, text: str) -> None:
         self.text = text
         self.function = eval(text, {"np": np})
-        self.calls = []
+        self.calls: list[tuple] = []
 
     def __call__(self, *arguments, **named):
         arguments = signature(self.function).bind(*arguments, **named).args
@@ -107,15 +110,17 @@ class Recorded:
         return self.text
 
 
-def agrees(definition: Callable, names: Names, part: object, function, case, **given) -> None:
+def agrees(
+    definition: Callable, names: Names, part: Part, function: Callable, case: Case, **arguments
+) -> None:
     """The property that a function returns what a definition returns: an array, a number or a list
     of arrays, which has one name, or a tuple of these.
 
     `part` says what alone is compared: the name of one of several results, or the first column of
     an array and the end of the columns.
     """
-    returned = function(*given.values())
-    expected = definition(*map(deepcopy, given.values()))
+    returned = function(*arguments.values())
+    expected = definition(*map(deepcopy, arguments.values()))
     if isinstance(part, str):
         number = names.index(part)
         returned = require_parts(returned, names)[number]
@@ -139,8 +144,8 @@ def require_same(returned, expected, names: tuple[str, ...] = ()) -> None:
             names = tuple(f"{name}[{number}]" for number in range(len(expected)))
         names = names or tuple(f"value {number}" for number in range(len(expected)))
         require_parts(returned, names[: len(expected)])
-        for part, one, other in zip(names, returned, expected, strict=False):
-            require_same(one, other, (part,))
+        for part, result, right in zip(names, returned, expected, strict=False):
+            require_same(result, right, (part,))
         return
     if returned is None:
         raise TypeError(f"{name} is None: is a return missing?")
@@ -165,10 +170,10 @@ def require_parts(returned, names) -> tuple | list:
 
 def arrays_in(thing: object, case: Case) -> list[np.ndarray]:
     """Copies of the arrays and numbers in a thing."""
-    return [*map(np.copy, numbers_in(thing, case))]
+    return [np.copy(number) for number in numbers_in(thing, case)]
 
 
-def numbers_in(thing: object, case: Case) -> Iterator[object]:
+def numbers_in(thing: Any, case: Case) -> Iterator[Any]:
     """The arrays and numbers in a thing, those that a pullback returns, and a recorder's calls."""
     if hasattr(thing, "calls"):
         yield from numbers_in(thing.calls, case)
@@ -184,7 +189,9 @@ def numbers_in(thing: object, case: Case) -> Iterator[object]:
         yield thing
 
 
-def gradients_agree(inputs: Names, returns: Names, only: Names, function, case, **given) -> None:
+def gradients_agree(
+    inputs: Names, returns: Names, only: Names, function, case, **arguments
+) -> None:
     """The property that gradients agree with differences of the function's own value.
 
     `inputs` are the arguments that get a gradient, in the order of the gradients. `returns` names
@@ -194,38 +201,45 @@ def gradients_agree(inputs: Names, returns: Names, only: Names, function, case, 
 
     def f(*values):
         changed = dict(zip(inputs, values, strict=True))
-        value, *others = _called(function, given | changed, returns)
+        value, *results = _call(function, arguments | changed, returns)
         value = value if np.ndim(value) else np.float64(value)
 
         def pullback(upstream):
             if PULLBACK in returns:
-                return others[0](upstream)
-            each = (g if g is None else upstream * g for _, g in leaves("", others))
-            return rebuilt(others, each)
+                return results[0](upstream)
+            gradients = [gradient for _, gradient in leaves("", results)]
+            scaled = [None if g is None else upstream * g for g in gradients]
+            return rebuilt(results, iter(scaled))
 
         return value, pullback
 
-    arguments = [given[i] for i in inputs]
-    named = [n for n, _ in calling.all_leaves(arguments, inputs)]
-    chosen = [n for n in named if not only or KEY.sub(r"\1", n) in only]
-    options = {"only": chosen, "kinks_excused": 1.0}  # sums may tie in the pooling
-    problems = wrong_gradients(f, arguments, inputs, case.rng(), **options)
-    function(*given.values())  # the call that a report shows
+    values = [arguments[name] for name in inputs]
+    names = [name for name, _ in calling.all_leaves(values, inputs)]
+    chosen = [name for name in names if not only or KEY.sub(r"\1", name) in only]
+    problems = wrong_gradients(
+        f,
+        values,
+        inputs,
+        case.rng(),
+        only=chosen,
+        kinks_excused=1.0,  # sums may tie in the pooling
+    )
+    function(*arguments.values())  # the call that a report shows
     if problems:
-        first, *others = problems
-        also = (f"also: {other.subject}" for other in others)
+        first, *more = problems
+        also = [f"also: {problem.subject}" for problem in more]
         raise Mismatch(first.kind, first.subject, "\n".join([str(first), *also]))
 
 
-def upstream_is_one(returns: Names, function, case, **given) -> None:
+def upstream_is_one(returns: Names, function, case, **arguments) -> None:
     """The property that without an upstream gradient it is 1."""
-    _, pullback = _called(function, given, returns)
+    _, pullback = _call(function, arguments, returns)
     require_same(pullback(), pullback(1.0), ("the gradient without an argument",))
 
 
-def _called(function: Callable, given: Mapping[str, object], returns: Names) -> list:
+def _call(function: Callable, arguments: Mapping[str, object], returns: Names) -> list:
     """What a function returned; a TypeError unless it is what `returns` names."""
-    returned = require_parts(function(*given.values()), returns)
+    returned = require_parts(function(*arguments.values()), returns)
     if PULLBACK in returns and not callable(returned[1]):
         raise TypeError(f"it does not return {' and '.join(returns)}")
     return list(returned)

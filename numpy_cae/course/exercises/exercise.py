@@ -40,7 +40,7 @@ from numpy_cae.course.exercises.own_checks import CHECKS
 from numpy_cae.course.solutions import building_blocks, first_paper, second_paper
 from numpy_cae.verify.operations.catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation, sizes_of
-from numpy_cae.verify.operations.property import GRADIENT, REST, VALUE, Property
+from numpy_cae.verify.operations.property import EXAMPLES, GRADIENT, REST, VALUE, Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
 FOLDER = Path(__file__).parent
@@ -49,12 +49,12 @@ TABLES = {
     path.stem.removeprefix("lesson_"): tomllib.loads(path.read_text(encoding="utf-8"))
     for path in sorted(FOLDER.glob("*.toml"))
 }
-EVERY = TABLES.pop("every_exercise")
-"""EVERY: the properties that exercises share, by the entry that states that they have them."""
+SHARED_PROPERTIES = TABLES.pop("every_exercise")
+"""The properties that exercises share, by the entry that states that they have them."""
 MAKES = {number: table.pop("makes") for number, table in TABLES.items()}
-"""MAKES: what the exercises of each lesson add up to, by the number of the lesson, 00 to 14."""
+"""What the exercises of each lesson add up to, by the number of the lesson, 00 to 14."""
 ENTRIES = {name: entries for table in TABLES.values() for name, entries in table.items()}
-"""ENTRIES: what is stated of each exercise."""
+"""What is stated of each exercise."""
 
 
 @cache
@@ -86,28 +86,33 @@ def with_hint(exercise: Exercise, stage: int) -> Exercise:
 
 def exercises_of(number: str) -> tuple[Exercise, ...]:
     """The exercises of a lesson."""
-    every = []
+    exercises = []
     for name, entries in TABLES[number].items():
-        is_stated = "arguments" in entries or "like" in entries
-        solution = SOLUTIONS[name] if is_stated else getattr(ops, name)
-        stated = _properties(solution, entries) if is_stated else properties_of_operation(name)
-        every.append(Exercise(name, solution, tuple(stated), given=_words(entries, "given")))
-    return tuple(every)
+        if "arguments" in entries or "like" in entries:
+            solution = SOLUTIONS[name]
+            properties = tuple(_properties(solution, entries))
+        else:
+            solution = getattr(ops, name)
+            properties = properties_of_operation(name)
+        exercises.append(Exercise(name, solution, properties, given=_words(entries, "given")))
+    return tuple(exercises)
 
 
 def _properties(solution: Callable, entries: Mapping) -> Sequence[Property]:
     """Those of an operation if a function returns a value and its pullback, else those stated."""
-    stated = _as_operation(solution, entries)
-    if stated.differentiated and "returns" not in entries:
-        return shared_properties(stated)
-    every = dict(entries.get("properties", {}))
+    operation = _as_operation(solution, entries)
+    if operation.differentiated and "returns" not in entries:
+        return list(shared_properties(operation))
+    stated = dict(entries.get("properties", {}))
     for entry, default in (("float32", False), ("pure", True)):
-        every |= EVERY[entry] if entries.get(entry, default) else {}
+        if entries.get(entry, default):
+            stated |= SHARED_PROPERTIES[entry]
     returns = tuple(entries.get("returns", ()))
-    return [
-        _property(stated, returns, name, {"states": each} if isinstance(each, str) else each)
-        for name, each in every.items()
-    ]
+    properties = []
+    for name, form in stated.items():
+        form = {"states": form} if isinstance(form, str) else form
+        properties.append(_property(operation, returns, name, form))
+    return properties
 
 
 def _as_operation(solution: Callable, entries: Mapping) -> Operation:
@@ -116,24 +121,30 @@ def _as_operation(solution: Callable, entries: Mapping) -> Operation:
     The value has to be that of the solution, the gradients those of the student's value.
     """
     sizes = sizes_of(entries.get("sizes", {}))
-    drawn = entries.get("arguments")
     if "like" in entries:
         operation = OPERATIONS[entries["like"]]
-        drawn = operation.arguments
+        draw = operation.arguments
         sizes = {**operation.sizes, **sizes}
-    elif isinstance(drawn, str):
-        drawn = getattr(arguments, drawn)
+    elif isinstance(entries["arguments"], str):
+        draw = getattr(arguments, entries["arguments"])
     else:
-        drawn = arguments.drawn(drawn)
-    stated = (solution.__name__, sizes, drawn, _words(entries, "inputs"))
-    options = {"reference": solution, "by_differences": True}
-    return Operation(*stated, linear_in=_words(entries, "linear_in"), **options)
+        draw = arguments.draw_as_stated(entries["arguments"])
+    return Operation(
+        solution.__name__,
+        sizes,
+        draw,
+        _words(entries, "inputs"),
+        linear_in=_words(entries, "linear_in"),
+        reference=solution,
+        by_differences=True,
+    )
 
 
 def _property(exercise: Operation, returns: checks.Names, name: str, entry: Mapping) -> Property:
-    options = {"examples": entry["examples"]} if "examples" in entry else {}
     check = _check(exercise, returns, name, entry)
-    form = REST if entry.get("form") else VALUE
+    group = REST if entry.get("form") else VALUE
+    if "gradient" in entry:
+        group = GRADIENT
     return Property(
         name,
         entry.get("states", checks.AGREES),
@@ -141,8 +152,8 @@ def _property(exercise: Operation, returns: checks.Names, name: str, entry: Mapp
         operation=exercise.name,
         arguments=exercise.arguments,
         sizes={**exercise.sizes, **sizes_of(entry.get("sizes", {}))},
-        group=GRADIENT if "gradient" in entry else form,
-        **options,
+        group=group,
+        examples=entry.get("examples", EXAMPLES),
     )
 
 
@@ -150,7 +161,7 @@ def _check(exercise: Operation, returns: checks.Names, name: str, entry: Mapping
     """The check that only this exercise has, or the usual one for this property."""
     if special := CHECKS.get((exercise.name, name)):
         return special
-    if any(name in shared for shared in EVERY.values()):
+    if any(name in shared for shared in SHARED_PROPERTIES.values()):
         return partial(getattr(checks, name), exercise.arguments)
     inputs = exercise.differentiated
     if name == "upstream default":
@@ -159,7 +170,7 @@ def _check(exercise: Operation, returns: checks.Names, name: str, entry: Mapping
         check = partial(checks.gradients_agree, inputs, returns, _words(entry, "gradient"))
     else:
         part = returns[0] if inputs else entry.get("part")
-        check = partial(checks.agrees, exercise.reference, returns, part)
+        check = partial(checks.agrees, SOLUTIONS[exercise.name], returns, part)
     return checks.on_copies(check)
 
 

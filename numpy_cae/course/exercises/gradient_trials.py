@@ -7,6 +7,7 @@ the planted bugs of `verify`.
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ GROUPS = {
     "tied weights": ("tied_layer",),
 }
 LONGER = {"frames": 4, "taps": 3}
-"""LONGER: all other sizes are 2. With as many channels as filters a missing transpose shows only in
+"""All other sizes are 2. With as many channels as filters a missing transpose shows only in
 the numbers."""
 TINY = 1e-6
 
@@ -37,7 +38,7 @@ class Trial:
     bug: Patch | None = None
     scale: float = 1.0
 
-    def arguments(self, seed: int) -> dict[str, object]:
+    def arguments(self, seed: int) -> dict[str, Any]:
         """The arguments of `check_gradients`: f, and its inputs by name.
 
         f closes over the arguments that get no gradient.
@@ -46,7 +47,7 @@ class Trial:
         implementation = self.bug.function() if self.bug else stated.reference
         numbers = [name for name, options in stated.sizes.items() if isinstance(options[0], int)]
         sizes = tuple((name, LONGER.get(name, 2)) for name in numbers)
-        arguments = stated.arguments(Case(sizes, seed))
+        arguments: dict[str, Any] = stated.arguments(Case(sizes, seed))
         inputs = {name: self.scale * arguments[name] for name in stated.differentiated}
         if "x" in arguments:
             arguments["x"] = self.scale * arguments["x"]
@@ -73,24 +74,24 @@ class Trial:
 
 RIGHT = [Trial(operation) for names in GROUPS.values() for operation in names]
 WRONG = {b.name: Trial(b.operation, b) for b in BUGS if b.caught_by.startswith("gradient for")}
-"""WRONG: the operations with a wrong gradient, by the name of the bug."""
+"""The operations with a wrong gradient, by the name of the bug."""
 
 
 def trials_of(operations: Collection[str]) -> list[Trial]:
     """The trials of some operations, the right ones first."""
-    return [each for each in (*RIGHT, *WRONG.values()) if each.operation in operations]
+    return [trial for trial in (*RIGHT, *WRONG.values()) if trial.operation in operations]
 
 
 REQUIRED = {name: trials_of(operations) for name, operations in GROUPS.items()}
 REQUIRED["right ones pass"] = RIGHT
 REQUIRED["tiny numbers"] = [*map(Trial, GROUPS["losses"])]
 REQUIRED["tiny numbers"] += [replace(WRONG["squared_without_two"], scale=TINY)]
-"""REQUIRED: the trials of each property of `check_gradients`."""
+"""The trials of each property of `check_gradients`."""
 NAMED = [WRONG[bug] for bug in ("conv_without_flip", "conv_filters_reversed", "conv_bias_averaged")]
-"""NAMED: trials in which the message has to name the input whose gradient is wrong."""
+"""Trials in which the message has to name the input whose gradient is wrong."""
 AT = np.array([0.5 + 5e-9, 1.0 + 5e-9])
 """Where the traps are tried: in the middle of a stair of 1e-8, on the corners of `corner`."""
-TRAPS = {
+TRAPS: dict[str, tuple[Callable, Callable]] = {
     "dy ignored": (np.square, lambda x, dy: 2 * x),
     "twice": (np.square, lambda x, dy: 4 * x * dy),
     "negative": (np.square, lambda x, dy: -2 * x * dy),
@@ -108,21 +109,34 @@ TRAPS = {
 """Functions of an array with a gradient that a check with a certain mistake takes for right."""
 
 
-def _trap(value: Callable, gradient: Callable, seed: int) -> dict[str, object]:
+def _trap(value: Callable, gradient: Callable, seed: int) -> dict[str, Any]:
     return {"f": lambda x: (value(x), partial(gradient, x)), "inputs": {"x": AT.copy()}}
 
 
 QUICK = trials_of((*GROUPS["activations"], *GROUPS["losses"], *GROUPS["tied weights"]))
-QUICK += [replace(w, scale=TINY) for w in WRONG.values() if "squared" in w.operation]
-TRIED = {name: partial(_trap, *each) for name, each in TRAPS.items()}
-TRIED |= {f"{number}": each.arguments for number, each in enumerate(QUICK)}
+QUICK += [replace(trial, scale=TINY) for trial in WRONG.values() if "squared" in trial.operation]
+DRAW: dict[str, Callable[[int], dict[str, Any]]] = {
+    name: partial(_trap, value, gradient) for name, (value, gradient) in TRAPS.items()
+}
+DRAW |= {f"{number}": trial.arguments for number, trial in enumerate(QUICK)}
+"""What draws the arguments of `check_gradients` by a seed, by the name of what is tried."""
+
+
+def _holds_always(function: Callable, case: Case) -> None:
+    """No check: what is refused is compared with what a known mistake refuses."""
+
+
+def _verdict_arguments(case: Case) -> dict[str, Any]:
+    return DRAW[str(case["function"])](case.seed)
+
+
 VERDICTS = Property(
     "verdicts",
     "what is refused",
-    lambda *given: None,
-    sizes={"function": tuple(TRIED)},
+    _holds_always,
+    sizes={"function": tuple(DRAW)},
     operation="check_gradients",
-    arguments=lambda case: TRIED[case["function"]](case.seed),
+    arguments=_verdict_arguments,
     combined=("function",),
 )
 """All that `check_gradients` is tried with: what it refuses shows its mistake."""

@@ -16,39 +16,39 @@ from numpy_cae.verify.operations.case import spread
 from numpy_cae.verify.operations.property import agrees, require_equal
 
 CHECKS: dict[tuple[str, str], Callable] = {}
-"""CHECKS: these checks, by the names of the exercise and the property."""
+"""These checks, by the names of the exercise and the property."""
 
 
-def checks(exercise: str, name: str, copied: bool = True) -> Callable[[Callable], Callable]:
+def register_check(exercise: str, name: str, copied: bool = True) -> Callable[[Callable], Callable]:
     """Register the check that is decorated, of a property of an exercise.
 
     The check is called with the function, the case, and the arguments of the case by name. If
     `copied`, the function gets copies of what the check passes to it.
     """
 
-    def registered(check: Callable) -> Callable:
+    def register(check: Callable) -> Callable:
         CHECKS[exercise, name] = on_copies(check) if copied else check
         return check
 
-    return registered
+    return register
 
 
-@checks("chain_to_root", "chain")
+@register_check("chain_to_root", "chain")
 def _chain_as_array(function, case, parents, joint):
     chain = np.asarray(chain_to_root(parents, joint))
     require_same(function(parents, joint), chain, ("the chain",))
 
 
-@checks("forward_kinematics", "rest pose")
+@register_check("forward_kinematics", "rest pose")
 def _rest_pose(function, case, parents, rotations, translations):
     positions = function(parents, np.broadcast_to(np.eye(3), rotations.shape), translations)
     for joint in range(case["joints"]):
         expected = translations[:, list(chain_to_root(parents, joint))].sum(axis=1)
-        what = f"without rotations, the position of joint {joint}"
-        require_equal(what, positions[:, joint], expected)
+        subject = f"without rotations, the position of joint {joint}"
+        require_equal(subject, positions[:, joint], expected)
 
 
-@checks("heading_angle", "faces")
+@register_check("heading_angle", "faces")
 def _known_directions(function, case, across):
     lines = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
     for line, expected in zip(lines, (0.0, np.pi / 2, np.pi), strict=True):
@@ -59,35 +59,38 @@ def _known_directions(function, case, across):
         require_equal(f"for across {line.tolist()}, the angle's error", error, 0.0)
 
 
-@checks("heading_angle", "turns")
+@register_check("heading_angle", "turns")
 def _changes_of_heading(function, case, across):
     changes = np.diff(np.asarray(function(across)))
     expected = np.diff(headings(case, case.rng(), {}))
     require_equal("the change from frame to frame", changes, expected)
 
 
-@checks("from_features", "first frame")
-def _first_frame(function, case, **given):
-    positions = np.asarray(function(*given.values()))
-    require_equal("a position in the first frame", positions[0], from_features(**given)[0])
+@register_check("from_features", "first frame")
+def _first_frame(function, case, **arguments):
+    positions = np.asarray(function(*arguments.values()))
+    require_equal("a position in the first frame", positions[0], from_features(**arguments)[0])
 
 
-def _epochs_of_calls(train_layer, given: dict) -> tuple[tuple, list[list]]:
+def _epochs_of_calls(train_layer, arguments: dict) -> tuple[tuple | list, list[list]]:
     """What the function returns, and the calls of the loss in each epoch."""
-    returned = require_parts(train_layer(*given.values()), ("weights", "losses"))
-    epochs = given["epochs"]
-    calls = [[*map(np.array, (*called, *found))] for *called, found in given["loss"].calls]
-    steps = -(-len(given["windows"]) // given["batch"])
+    returned = require_parts(train_layer(*arguments.values()), ("weights", "losses"))
+    epochs = arguments["epochs"]
+    calls = [
+        [np.array(entry) for entry in (*passed, *result)]
+        for *passed, result in arguments["loss"].calls
+    ]
+    steps = -(-len(arguments["windows"]) // arguments["batch"])
     if len(calls) != steps * epochs:
         expected = f"expected {steps * epochs}, once for each batch"
         raise AssertionError(f"in {epochs} epochs it calls loss {len(calls)} times, {expected}")
     return returned, [calls[steps * n : steps * (n + 1)] for n in range(epochs)]
 
 
-@checks("train_layer", "every window")
-def _every_window_once(train_layer, case, **given):
-    _, epochs = _epochs_of_calls(train_layer, given)
-    orders = [given["windows"][:, 0, 0].tolist()]
+@register_check("train_layer", "every window")
+def _every_window_once(train_layer, case, **arguments):
+    _, epochs = _epochs_of_calls(train_layer, arguments)
+    orders = [arguments["windows"][:, 0, 0].tolist()]
     for number, calls in enumerate(epochs):
         if any((x == 0).any() for x, *_ in calls):  # no value of a clean window is 0
             raise AssertionError("the x that loss gets is not clean; is it the corrupted one?")
@@ -98,9 +101,9 @@ def _every_window_once(train_layer, case, **given):
         orders.append(order.tolist())
 
 
-@checks("train_layer", "corruption")
-def _corrupted_anew(train_layer, case, **given):
-    _, epochs = _epochs_of_calls(train_layer, given)
+@register_check("train_layer", "corruption")
+def _corrupted_anew(train_layer, case, **arguments):
+    _, epochs = _epochs_of_calls(train_layer, arguments)
     lost = {}
     for x, corrupted, *_ in (call for calls in epochs for call in calls):
         require_equal("where corrupted is not 0, it", corrupted, np.where(corrupted == 0, 0, x))
@@ -109,48 +112,48 @@ def _corrupted_anew(train_layer, case, **given):
                 raise AssertionError("a window loses the same values in two epochs")
             lost.setdefault(window[0, 0], []).append(zeroed)
     share = np.mean([*lost.values()])
-    if abs(share - given["p"]) > 0.15:
-        raise AssertionError(f"p is {given['p']}, but {share:.0%} of all values are zero")
+    if abs(share - arguments["p"]) > 0.15:
+        raise AssertionError(f"p is {arguments['p']}, but {share:.0%} of all values are zero")
 
 
-@checks("train_layer", "steps")
-def _steps_descend(train_layer, case, **given):
-    (weights, _), epochs = _epochs_of_calls(train_layer, given)
+@register_check("train_layer", "steps")
+def _steps_descend(train_layer, case, **arguments):
+    (weights, _), epochs = _epochs_of_calls(train_layer, arguments)
     pairs = weights if isinstance(weights, tuple | list) else ()
     if [isinstance(pair, tuple | list) for pair in pairs] != [True] * len(epochs):
         raise AssertionError("weights has to be a list with (w, b) for each epoch")
-    w = given["w"]
-    b = given["b"]
+    w = arguments["w"]
+    b = arguments["b"]
     for number, calls in enumerate(epochs):
         for _, _, w_before, b_before, _, dw, db in calls:
             names = (f"w in epoch {number}", f"b in epoch {number}")
             require_same((w_before, b_before), (w, b), names)
-            rate = given["rate"] * given["decay"] ** number
+            rate = arguments["rate"] * arguments["decay"] ** number
             w = w - rate * dw
             b = b - rate * db
         require_same(weights[number], (w, b), (f"w after epoch {number}", "b"))
 
 
-@checks("train_layer", "losses")
-def _mean_losses(train_layer, case, **given):
-    (_, losses), epochs = _epochs_of_calls(train_layer, given)
+@register_check("train_layer", "losses")
+def _mean_losses(train_layer, case, **arguments):
+    (_, losses), epochs = _epochs_of_calls(train_layer, arguments)
     require_equal("losses", losses, [np.mean([call[4] for call in calls]) for calls in epochs])
 
 
-@checks("complete", "known")
-def _known_values_stay(function, case, x, known, **others):
-    require_same(function(x, known, *others.values())[known], x[known], ("a known value",))
+@register_check("complete", "known")
+def _known_values_stay(function, case, x, known, **further):
+    require_same(function(x, known, *further.values())[known], x[known], ("a known value",))
 
 
-@checks("complete", "nothing there")
-def _unknown_values_ignored(function, case, x, known, **others):
-    number = function(x, known, *others.values())
-    with_nan = function(np.where(known, x, np.nan), known, *others.values())
+@register_check("complete", "nothing there")
+def _unknown_values_ignored(function, case, x, known, **further):
+    number = function(x, known, *further.values())
+    with_nan = function(np.where(known, x, np.nan), known, *further.values())
     if not agrees(with_nan, number):  # the function's own results: neither need be right
         raise AssertionError("NaN in place of the unknown values of x changes what it returns")
 
 
-@checks("adjoint_gap", "right ones")
+@register_check("adjoint_gap", "right ones")
 def _no_gap(function, case, f, x, y):
     gap = function(Matrix(f.a, f.a), x, y)
     require_equal("for a right pullback, the gap", gap, 0.0, 1e-12)
@@ -162,7 +165,7 @@ def _accused(number: int, function, case, seed) -> None:
 
 
 for number in range(1, len(SUSPECTS) + 1):
-    checks("accuse", f"suspect {number}")(partial(_accused, number))
+    register_check("accuse", f"suspect {number}")(partial(_accused, number))
 
 
 def _tells_apart(trials: list[Trial], check_gradients, case, seed) -> None:
@@ -171,10 +174,10 @@ def _tells_apart(trials: list[Trial], check_gradients, case, seed) -> None:
 
 
 for name, trials in REQUIRED.items():
-    checks("check_gradients", name)(partial(_tells_apart, trials))
+    register_check("check_gradients", name)(partial(_tells_apart, trials))
 
 
-@checks("check_gradients", "names the culprit")
+@register_check("check_gradients", "names the culprit")
 def _names_the_input(check_gradients, case, seed):
     for trial in NAMED:
         wrong = trial.bug.caught_by.rpartition(" ")[2]
@@ -183,7 +186,7 @@ def _names_the_input(check_gradients, case, seed):
             raise AssertionError(f"the gradient for {wrong} is wrong; the message is {message!r}")
 
 
-@checks("check_gradients", "inputs stay", copied=False)
+@register_check("check_gradients", "inputs stay", copied=False)
 def _inputs_stay(check_gradients, case, seed):
     f, inputs = Trial("conv1d").arguments(seed).values()
     before = {name: x.copy() for name, x in inputs.items()}
@@ -192,7 +195,7 @@ def _inputs_stay(check_gradients, case, seed):
         require_equal(f"after the call, {name}", inputs[name], x, 0)
 
 
-@checks("three_products", "three")
+@register_check("three_products", "three")
 def _three_calls(function, case, a, b, p, q, multiply):
     function(a, b, p, q, multiply)
     if len(multiply.calls) != 3:
@@ -216,23 +219,23 @@ def _products(points: int, frequencies: Iterable[int]) -> int:
     return sum(1 if 2 * f in (0, points) else 3 for f in frequencies)
 
 
-@checks("block_matrices", "value")
-@checks("one_frequency", "value")
-def _part_of_the_sum(function, case, **given):
+@register_check("block_matrices", "value")
+@register_check("one_frequency", "value")
+def _part_of_the_sum(function, case, **arguments):
     """Raise unless C ((A x) ∘ (G w)) is what one or all frequencies add to the sum over taps."""
-    a, g, c = _checked_matrices(function, **given)
+    a, g, c = _checked_matrices(function, **arguments)
     points = a.shape[1]
     rng = case.rng()
     x = spread(rng, (points,))
     w = spread(rng, (case["taps"],))
     spectrum = np.fft.rfft(x) * np.conj(np.fft.rfft(w, points))
-    if "frequency" in given:
-        spectrum[np.arange(len(spectrum)) != given["frequency"]] = 0
+    if "frequency" in arguments:
+        spectrum[np.arange(len(spectrum)) != arguments["frequency"]] = 0
     expected = np.fft.irfft(spectrum, points)[: case["frames"]]
     require_equal("C @ ((A @ x) * (G @ w))", c @ ((a @ x) * (g @ w)), expected)
 
 
-@checks("block_matrices", "few products")
+@register_check("block_matrices", "few products")
 def _few_products(function, case, taps, frames):
     products = len(_checked_matrices(function, taps, frames)[0])
     points = frames + taps - 1
@@ -244,7 +247,7 @@ def _few_products(function, case, taps, frames):
         )
 
 
-@checks("one_frequency", "few products")
+@register_check("one_frequency", "few products")
 def _one_or_three(function, case, frequency, taps, frames):
     expected = _products(frames + taps - 1, [frequency])
     products = len(_checked_matrices(function, taps, frames, frequency=frequency)[0])
@@ -252,7 +255,7 @@ def _one_or_three(function, case, frequency, taps, frames):
         raise AssertionError(f"A has {products} rows, expected {expected}")
 
 
-@checks("observed_error", "unknown is NaN")
+@register_check("observed_error", "unknown is NaN")
 def _unknown_values(function, case, x_hat, x, known):
     x = np.where(known, x, np.nan)
     loss, pullback = require_parts(function(x_hat, x, known), ("the loss", PULLBACK))
