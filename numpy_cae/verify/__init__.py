@@ -12,9 +12,11 @@ from numpy_cae.verify.checks.gradients import check_adjoint, check_gradients
 from numpy_cae.verify.grading.report import report
 from numpy_cae.verify.operations.catalogue import example, properties
 from numpy_cae.verify.operations.own_operation import operation_test, properties_of
+from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.trial import check_property
 
 __all__ = [
+    "Property",
     "check_adjoint",
     "check_gradients",
     "check_property",

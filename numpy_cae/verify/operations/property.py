@@ -93,6 +93,14 @@ class Property:
     """A sentence about a function, and the check that raises where the sentence is false.
 
     `operation` names the operation or exercise, `arguments` makes the arguments of a case.
+
+    Examples
+    --------
+    >>> from numpy_cae import ops, verify
+    >>> prop = verify.properties("conv1d")[0]
+    >>> prop.name, prop.statement
+    ('value', 'the value is that of the definition, loop by loop')
+    >>> verify.check_property(prop, ops.conv1d)
     """
 
     name: str
