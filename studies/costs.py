@@ -35,6 +35,8 @@ from studies.timing.torch_networks import FRAMES, LATENT, step
 SECONDS = (1, 10, 60, 600, 3600)
 """Lengths of the files that are repaired (s)."""
 FILES = (1, 10, 100, 300)
+READ_SECONDS = 300.0
+"""The length of the file that is read by every reader (s)."""
 WINDOWS = (1, 4, 16, 64, 256, 1024)
 JOINTS = (20, 50, 100, 200, 500, 1000)
 HIDDEN = (64, 128, 256, 512, 1024)
@@ -115,7 +117,7 @@ def _walk(path: Path, seconds: float, spike: bool = False) -> Path:
 
 
 def _readers(folder: Path) -> Iterator[list[object]]:
-    path = _walk(folder / "long.bvh", 300.0)
+    path = _walk(folder / "long.bvh", READ_SECONDS)
     readers: dict[str, Callable[[], object]] = {"numpy_cae": partial(load_motion, path)}
     for package, function in READERS.items():
         with suppress(ImportError):

@@ -18,7 +18,7 @@ from studies.jang2018.samples import FITTED, PRIOR, REAL
 from studies.shared.result import png
 
 SHORT = SequenceSchedule(epochs=1, steps=2, batch=8, directions=4)
-SIZES = {"hidden": 8, "latent": 4}
+SIZES = {"hidden": 8, "latent": 4, "frames": 20}
 
 
 @pytest.fixture(scope="module")
@@ -58,10 +58,13 @@ def test_figure_2_tests_the_trend(studies):
     assert len(png(result.figures["figure_2"])) > 1000
 
 
-def test_figure_3_draws_samples_of_each_source(studies):
-    for source in (FITTED, PRIOR, REAL):
-        result = samples.figure_3(studies[0], source=source)
-    assert len(png(result)) > 10_000
+@pytest.mark.thorough
+@pytest.mark.parametrize("source", [FITTED, PRIOR, REAL])
+def test_figure_3_draws_samples_of_each_source(studies, source):
+    assert len(png(samples.figure_3(studies[0], source=source))) > 10_000
+
+
+def test_fitted_samples_have_the_covariance_of_encoded_clips(studies):
     z = samples.fitted_latents(studies[0], 4000, 0)
     encoded = studies[0].manifold.network.encode(studies[0].random_clips(1000, 0))
     assert np.allclose(np.cov(z, rowvar=False), np.cov(encoded, rowvar=False), atol=0.05)

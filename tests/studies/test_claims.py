@@ -9,13 +9,13 @@ def test_both_networks_are_judged_in_the_order_of_the_statements(
     small, small_manifold, labelled, tmp_path, monkeypatch
 ):
     small_manifold.save(tmp_path / "model.npz")
-    monkeypatch.setattr(claims, "STUDIES", ("comparison", "representation"))
+    monkeypatch.setattr(claims, "STUDIES", ("kinect", "sampling"))
     monkeypatch.setattr(claims, "judge_sequences", lambda quick, seed: Result("", []))
     files = 2 * [tmp_path / "model.npz"]
     result = claims.run(labelled, 0, *files, quick=True)
     keys = [claim.key for claim in result.claims]
     assert keys == sorted(keys, key=list(STATEMENTS).index)
-    assert keys.count("G_invariant") == keys.count("random_noisy") == 2
+    assert keys.count("kinect_closer") == keys.count("uniform_prior") == 2
     assert keys.count("deep_justified") == 1 and len(result.tables[0].rows) == len(keys)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from numpy_cae.evaluation import tables
 from studies.__main__ import NAMES, main
-from studies.jang2018 import samples
+from studies.jang2018 import samples, training
 
 TINY = "--test *_3.bvh --hidden 6 --latent 3 --epochs 1 --steps 2 --batch 4 --frames 20".split()
 
@@ -89,7 +89,10 @@ def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys
     for module, name, fewer in (
         (tables, "PCA_CLIPS", 200),
         (samples, "SAMPLES", 20),
+        (samples, "SHOWN_IN_PAPER", 2),
         (samples, "REPEATS", 1),
+        (training, "CLIPS", 100),
+        (samples, "CLIPS", 100),
     ):
         monkeypatch.setattr(module, name, fewer)
     out = tmp_path / "out"

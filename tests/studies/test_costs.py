@@ -7,7 +7,7 @@ from studies import costs
 
 def test_every_size_has_a_row_and_a_slope(monkeypatch):
     sizes = {"SECONDS": (1, 2, 4), "FILES": (1, 2, 4), "WINDOWS": (1, 2, 4), "JOINTS": (2, 3, 4)}
-    for name, few in sizes.items() | {("HIDDEN", (4, 5, 6)), ("TAKES", 1)}:
+    for name, few in (sizes | {"HIDDEN": (4, 5, 6), "TAKES": 1, "READ_SECONDS": 10.0}).items():
         monkeypatch.setattr(costs, name, few)
     monkeypatch.setattr(costs, "READERS", {"missing": ""})
     monkeypatch.setattr(costs, "_cost", lambda *words: (2.0, 50.0))
