@@ -23,7 +23,7 @@ def register() -> None:
     if shell:
         html = shell.display_formatter.formatters["text/html"]
         html.for_type_by_name("numpy_cae.motion.motion", "Motion", motion_html)
-        html.for_type_by_name("numpy_cae.cleanup.repaired", "Repaired", repaired_html)
+        html.for_type_by_name("numpy_cae.cleanup.result", "Repaired", repaired_html)
 
 
 def motion_html(motion: Motion) -> str:

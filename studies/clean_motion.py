@@ -20,7 +20,7 @@ import numpy as np
 
 from data_synth import make_take
 from numpy_cae.cleanup import repair_motion
-from numpy_cae.cleanup.interpolated import missing_joints
+from numpy_cae.cleanup.interpolation import missing_joints
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.motion import Motion

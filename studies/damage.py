@@ -19,7 +19,7 @@ from scipy.signal import butter, savgol_filter, sosfiltfilt
 
 from numpy_cae.cleanup import Preset, repair_motion
 from numpy_cae.cleanup.holes import Holes
-from numpy_cae.cleanup.interpolated import missing_joints, on_curves
+from numpy_cae.cleanup.interpolation import interpolate_joints, missing_joints
 from numpy_cae.evaluation.baselines import Gaussian
 from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import MotionManifold
@@ -250,7 +250,7 @@ def filter_curves(motion: Motion, name: str) -> Motion:
 
 def curve_filling(curve: Curve, motion: Motion, mask: np.ndarray) -> Motion:
     """The unknown rotations on a curve, other joints back at their positions."""
-    start = on_curves(motion, mask, lambda *_: curve)
+    start = interpolate_joints(motion, mask, lambda *_: curve)
     positions = np.where(mask[..., None], body_positions(start), body_positions(motion))
     return retarget(motion, positions, mask, start.at(mask.any(axis=1)))
 
@@ -265,6 +265,6 @@ def gaussian_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Fil
         is_visible = np.ones(holes.features.shape, bool)
         is_visible[:, POSITIONS] = ~np.repeat(holes.mask, 3, axis=1)
         x = gaussian.complete(manifold.normalise(holes.features)[None], is_visible[None])[0]
-        return holes.filled(np.where(is_visible, holes.features, manifold.denormalise(x)))
+        return holes.move_to(np.where(is_visible, holes.features, manifold.denormalise(x)))
 
     return fill_in

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from numpy_cae.cleanup.interpolated import on_curves
+from numpy_cae.cleanup.interpolation import interpolate_joints
 from numpy_cae.evaluation import jitter, position_error
 from numpy_cae.evaluation.tables import Clips
 from numpy_cae.manifold import MotionManifold
@@ -111,7 +111,7 @@ def _fill_stepped(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndar
     held = truth[frames - frames % EVERY]
     filled = {HELD: held, REPEATED: manifold.project(held)}
     for name, curve in ROTATION_CURVES.items():
-        positions = body_positions(on_curves(motion, mask, lambda *_, curve=curve: curve))
+        positions = body_positions(interpolate_joints(motion, mask, lambda *_, curve=curve: curve))
         filled[name + CURVE] = manifold.features(positions)[0]
     return filled | {TRUE: truth}
 

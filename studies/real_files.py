@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Preset, Repaired, repair_motion
-from numpy_cae.cleanup.jumps import jump_levels
 from numpy_cae.cleanup.presets import fitting_preset
+from numpy_cae.cleanup.view import View
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.evaluation import jitter
 from numpy_cae.manifold import MotionManifold
@@ -86,7 +86,7 @@ class MeasuredFile:
 def remark_on(repaired: Repaired) -> str:
     """The kinds of damage that a repair finds, and whether the motion is unlike the model's."""
     words = sorted({finding.kind for finding in repaired.findings}) or ["unchanged"]
-    if not repaired.known:
+    if not repaired.is_familiar:
         words.append("unlike")
     return ", ".join(words)
 
@@ -94,8 +94,8 @@ def remark_on(repaired: Repaired) -> str:
 def measures_of(before: Motion, after: Motion) -> Measures:
     """The measures of a motion `after` a repair, which may have cut off its start."""
     before = before.at(slice(len(before) - len(after), None))
-    near = widen_runs(jump_levels(before) > 0, round(NEAR * before.rate))
-    jumps = jump_levels(after) > 0
+    near = widen_runs(View(before).jumps > 0, round(NEAR * before.rate))
+    jumps = View(after).jumps > 0
     positions = body_positions(after)
     lengths = np.linalg.norm(after.translations[:, 1:], axis=-1)
     moved = positions - body_positions(before)

@@ -25,6 +25,7 @@ import numpy as np
 
 from numpy_cae import ops
 from numpy_cae.cleanup.feet import find_feet, mend_feet
+from numpy_cae.cleanup.view import View
 from numpy_cae.evaluation import jitter, position_error
 from numpy_cae.evaluation.tables import Clips
 from numpy_cae.manifold import MotionManifold, hidden_units
@@ -163,7 +164,8 @@ def _constrain(manifold: MotionManifold, features: np.ndarray) -> np.ndarray:
     """Features (F, 63) on bones of the manifold's lengths, with feet that stand still."""
     positions = features_to_positions(features)
     fitted = fit_motion(positions, manifold.lengths, manifold.rate)
-    mended = mend_feet(fitted, find_feet(fitted, sensitivity=1.0))
+    view = View(fitted)
+    mended = mend_feet(view, find_feet(view, sensitivity=1.0))
     return manifold.features(body_positions(mended))[0]
 
 

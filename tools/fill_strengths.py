@@ -25,12 +25,12 @@ import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cleanup.holes import (
-    LEAST_METRES,
+    LEAST_ERROR_METRES,
     POWERS,
     Trials,
+    correct_body,
     errors_in,
-    on_one,
-    on_strengths,
+    interpolate_body,
     weights,
 )
 from numpy_cae.manifold import MotionManifold, load_manifold
@@ -72,11 +72,11 @@ def errors_of(manifold: MotionManifold, folder: Path, curves: dict[Part, Curve])
             frames = np.flatnonzero(mask.any(axis=1))
             hole = Trials(np.where(mask, part[0], ""), [int(frames[0])], len(frames))
             if curves:
-                candidates = on_strengths(manifold, body, mask, lambda *_, part=part: curves[part])
+                candidates = correct_body(manifold, body, mask, lambda *_, part=part: curves[part])
             else:
-                candidates = (on_one(body, mask, curve) for curve in CURVES.values())
+                candidates = (interpolate_body(body, mask, curve) for curve in CURVES.values())
             errors = errors_in(body, hole, candidates)[part[0]]
-            logs[part].append(np.log(np.maximum(errors[0], LEAST_METRES)))
+            logs[part].append(np.log(np.maximum(errors[0], LEAST_ERROR_METRES)))
     return logs
 
 

@@ -7,7 +7,7 @@ from numpy_cae.cleanup.finding import Finding, write_findings
 from numpy_cae.cleanup.presets import PRESETS, Preset
 from numpy_cae.cleanup.projection import project_motion
 from numpy_cae.cleanup.repair import fill_motion, repair_motion
-from numpy_cae.cleanup.repaired import Repaired
+from numpy_cae.cleanup.result import Repaired
 
 __all__ = [
     "PRESETS",

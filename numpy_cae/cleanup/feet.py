@@ -2,10 +2,10 @@
 
 A foot stands while its toe is low and slow. The place where it stands is the median of the toe over
 that time, at the height at which toes stand in this motion. The displacement from the toe to that
-place fades out before and after (`EASE_SECONDS`). The root takes the mean displacement of both
+place fades out before and after (`FADING_SECONDS`). The root takes the mean displacement of both
 feet, filtered (`PATH_HERTZ`), so that the legs change little; each leg takes the rest by its own
 two bones, which keep their lengths (`motion.fit.bend_limb`). All metres are those of a body of
-usual size (`curves.usual_body`).
+usual size (`View.body`).
 
 The knee of a leg that becomes straight within a frame pops. So a leg approaches its full length L
 only exponentially (soft inverse kinematics: A. Nicholas, softimageblog.com/archives/108). With d_0
@@ -28,9 +28,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.cleanup.curves import body_size, sliding, usual_body, usual_toes
-from numpy_cae.cleanup.finding import BODY, Finding, confidence, is_path
-from numpy_cae.cleanup.jumps import SHARP, jump_levels
+from numpy_cae.cleanup.finding import Finding, confidence, is_path
+from numpy_cae.cleanup.kinds import BODY, FOOT, TOES
+from numpy_cae.cleanup.view import LEGS, SHARP, View
 from numpy_cae.mocap.retargeting.body import body_positions
 from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.motion import JOINTS, Motion
@@ -39,100 +39,55 @@ from numpy_cae.motion.filters import butterworth, median_of
 from numpy_cae.motion.fit import bend_limb
 from numpy_cae.motion.masks import runs, widen_runs
 
-TOES = [JOINTS[foot] for foot in FEET]
-LEGS = [list(range(toe - 3, toe + 1)) for toe in FEET]
-"""LEGS: hip, knee, ankle and toe of both legs, which follow one another among the twenty joints."""
 HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]
 CALM_SECONDS = 0.1
-"""CALM_SECONDS: steps and speeds are taken over so long before and after a frame (s)."""
+"""Steps and speeds are taken over so long before and after a frame (s)."""
 PATH_HERTZ = 2.5
-"""PATH_HERTZ: the root's path is filtered with this cut-off (Hz). It and
-`SLOW_ON_PATH_METRES_A_SECOND` were chosen on takes of CMU and synthetic ones whose root was held
-still (docs/lab_book/evidence.md)."""
+"""The root's path is filtered with this cut-off (Hz). It and `SLOW_ON_PATH_METRES_A_SECOND` were
+chosen on takes of CMU and synthetic ones whose root was held still
+(docs/lab_book/evidence.md)."""
 FOLLOWING_SHARE = 0.4
-"""FOLLOWING_SHARE: a root follows the feet if its steps are at least this share of the steps with
-which the feet would stand. In 119 takes without damage the share is at least 0.82; in seven files
-from video it is at most 0.23."""
+"""A root follows the feet if its steps are at least this share of the steps with which the feet
+would stand. In 119 takes without damage the share is at least 0.82; in seven files from video it is
+at most 0.23."""
 HELD_METRES = 0.1
-"""HELD_METRES: a root gets no path if both hands stay within this (m) in most frames, as those of a
-cyclist do: then the feet need not stand on a floor."""
-UPRIGHT_LEGS = 0.7
-"""UPRIGHT_LEGS: a root gets a path only if the hips are higher above the lower toe than this times
-the length of a leg in most frames."""
-STEPS_METRES = 0.3
-"""STEPS_METRES: the feet make no steps if 10% and 90% quantiles of the place of one toe relative to
-the other are less than this (m) apart along the floor. Of people who stand still and wave, with
-noise of 3°, they are at most 0.23 m apart."""
-
-
-def path_of_root(motion: Motion) -> np.ndarray:
-    """What the path of the root lacks, (frames, 3) in metres of a body of usual size: 0 if the root
-    follows the feet."""
-    body = usual_body(motion)
-    toes = body[:, FEET]
-    hips = body[:, 0]
-    lower_height = toes[..., 1].min(axis=1)
-    leg = np.linalg.norm(np.diff(body[0, LEGS[0][:3]], axis=0), axis=-1).sum()
-    none = np.zeros((len(motion), 3))
-    lies = len(motion) < 3 or np.median(hips[:, 1] - lower_height) < UPRIGHT_LEGS * leg
-    if lies or np.linalg.norm(_range(body[:, HANDS]), axis=-1).max() < HELD_METRES:
-        return none
-    root_steps = np.diff(hips, axis=0)
-    lower = (toes[1:, :, 1] + toes[:-1, :, 1]).argmin(axis=1)
-    # With these steps of the root the lower toe would stand still.
-    asked_steps = root_steps - np.diff(toes, axis=0)[np.arange(len(root_steps)), lower]
-    asked = np.linalg.norm(asked_steps, axis=1).sum()
-    if np.linalg.norm(root_steps, axis=1).sum() >= FOLLOWING_SHARE * asked:
-        return none
-    apart = _range(toes[:, 0] - toes[:, 1])
-    if np.hypot(apart[0], apart[2]) > STEPS_METRES:
-        missing = median_of(asked_steps - root_steps, max(round(CALM_SECONDS * motion.rate), 1))
-        path = np.concatenate([none[:1], np.cumsum(missing, axis=0)])
-    else:
-        path = toes[0].mean(axis=0) - toes.mean(axis=1)
-    path[:, 1] = np.median(lower_height) - lower_height
-    return butterworth(path, PATH_HERTZ, motion.rate)
-
-
-def moved_along(motion: Motion, path: np.ndarray) -> Motion:
-    """The motion with its whole body moved along a path (frames, 3) of `path_of_root`."""
-    return retarget(motion, body_positions(motion) + body_size(motion) * path[:, None])
-
-
-def _range(x: np.ndarray) -> np.ndarray:
-    """The range of values (frames, …) in most frames."""
-    return np.subtract(*np.quantile(x, [0.9, 0.1], axis=0))
-
-
+"""A root gets no path if both hands stay within this (m) in most frames, as those of a cyclist do:
+then the feet need not stand on a floor."""
+UPRIGHT_SHARE = 0.7
+"""A root gets a path only if the hips are higher above the lower toe than this share of the length
+of a leg in most frames."""
+NO_STEPS_METRES = 0.3
+"""The feet make no steps if 10% and 90% quantiles of the place of one toe relative to the other are
+less than this (m) apart along the floor. Of people who stand still and wave, with noise of 3°, they
+are at most 0.23 m apart."""
 SLOW_METRES_A_SECOND = 0.5
-"""SLOW_METRES_A_SECOND: a toe stands only if it is slower than this (m/s)."""
+"""A toe stands only if it is slower than this (m/s)."""
 SLOW_ON_PATH_METRES_A_SECOND = 0.7
-"""SLOW_ON_PATH_METRES_A_SECOND: on a path from the feet, a toe stands only if it is slower than
-this (m/s)."""
+"""On a path from the feet, a toe stands only if it is slower than this (m/s)."""
 LOW_METRES = 0.05
-"""LOW_METRES: a toe stands only if it is at most this high (m) above the height at which toes
-stand, the median height of the lower toe where it is slow."""
-LEAST_SECONDS = 0.15
-"""LEAST_SECONDS: a toe stands for at least this time (s)."""
+"""A toe stands only if it is at most this high (m) above the height at which toes stand, the median
+height of the lower toe where it is slow."""
+STANCE_SECONDS = 0.15
+"""A toe stands for at least this time (s)."""
 RESTING_SHARE = 0.5
-"""RESTING_SHARE: a root gets a path only if feet on it stand for more than this share of the time:
-at least 0.77 in five files whose root stands still, 0.13 and 0.43 in two of noise."""
-LEAST_METRES = 0.04
-"""LEAST_METRES: the feet of a motion are changed if one of them is further than this (m) from its
-place while it stands."""
+"""A root gets a path only if feet on it stand for more than this share of the time: at least 0.77
+in five files whose root stands still, 0.13 and 0.43 in two of noise."""
+OFF_PLACE_METRES = 0.04
+"""The feet of a motion are changed if one of them is further than this (m) from its place while it
+stands."""
 RESTING_METRES = 1e-4
-"""RESTING_METRES: a root that would be moved by less than this (m) stays where it is."""
-EASE_SECONDS = 0.2
-"""EASE_SECONDS: the displacement of a foot fades in and out in this time (s)."""
+"""A root that would be moved by less than this (m) stays where it is."""
+FADING_SECONDS = 0.2
+"""The displacement of a foot fades in and out in this time (s)."""
 SOFT_SHARE = 0.015
-"""SOFT_SHARE: s of the module's equation."""
+"""The s of the module's equation."""
 JUMPY_SECONDS = 0.3
-"""JUMPY_SECONDS: feet are left as they are if, held, a frame jumps within this time (s)."""
-ROUNDS = 4
-"""ROUNDS: feet are held at their places at most this often: those that stand then, as long as they
-slide less, or those near which no frame jumps."""
+"""Feet are left as they are if, held, a frame jumps within this time (s)."""
+MOST_HOLDS = 4
+"""Feet are held at their places at most this often: those that stand then, as long as they slide
+less, or those near which no frame jumps."""
 STANDING_CENTIMETRES = 1.0
-"""STANDING_CENTIMETRES: feet that slide by this speed (cm/s) or less stand."""
+"""Feet that slide by this speed (cm/s) or less stand."""
 
 
 class Stance(NamedTuple):
@@ -143,123 +98,187 @@ class Stance(NamedTuple):
     end: int
 
 
-def find_feet(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+def find_feet(view: View, sensitivity: float = 0.5) -> list[Finding]:
     """The times in which a foot stands and slides, or is in the floor or above it.
 
     Examples
     --------
     >>> from data_synth import make_take
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
-    >>> find_feet(motion)
+    >>> find_feet(View(motion))
     []
     >>> motion.translations[:, 0, 0] += np.linspace(0.0, 0.6, 60)
-    >>> find_feet(motion)[0].kind
+    >>> find_feet(View(motion))[0].kind
     'foot'
     """
-    found = list[Finding]()
+    findings = list[Finding]()
     worst = 0.0
-    path = path_of_root(motion)
-    if path.any() and _rests(moved_along(motion, path), sliding(motion)):
-        why = "the root hardly moves while feet do: its path follows from the feet"
-        found = [Finding(BODY, (0, len(motion) - 1), "foot", why)]
-        worst = np.inf
-        motion = moved_along(motion, path)
-    toes, level = _toes(motion)
-    for stance in _stances(toes, level, motion.rate, bool(found)):
-        toe = toes[stance.first : stance.end, stance.foot]
+    path = path_of_root(view)
+    if path.any():
+        on_path = view.after(move_along(view, path))
+        if _rests(on_path, view.sliding):
+            evidence = "the root hardly moves while feet do: its path follows from the feet"
+            findings.append(Finding(BODY, (0, len(view) - 1), FOOT.name, evidence))
+            worst = np.inf
+            view = on_path
+    level = _standing_height(view)
+    for stance in _stances(view, is_on_path=bool(findings)):
+        toe = view.toes[stance.first : stance.end, stance.foot]
         away = np.abs(toe - _place(toe, level)).max(axis=0)
-        slides, off = 100 * max(away[0], away[2]), 100 * away[1]
-        why = f"moves by {slides:.1f} cm, {off:.1f} cm off the floor"
-        found.append(Finding(TOES[stance.foot], (stance.first, stance.end - 1), "foot", why))
+        slides = 100 * max(away[0], away[2])
+        off = 100 * away[1]
+        evidence = f"moves by {slides:.1f} cm, {off:.1f} cm off the floor"
+        frames = (stance.first, stance.end - 1)
+        findings.append(Finding(TOES[stance.foot], frames, FOOT.name, evidence))
         worst = max(worst, float(away.max()))
-    if worst * 2 * sensitivity <= LEAST_METRES:
+    if worst * 2 * sensitivity <= OFF_PLACE_METRES:
         return []
-    return [replace(finding, confidence=confidence(worst / LEAST_METRES)) for finding in found]
+    sure = confidence(worst / OFF_PLACE_METRES)
+    return [replace(finding, confidence=sure) for finding in findings]
 
 
-def mend_feet(motion: Motion, findings: list[Finding]) -> Motion:
-    """The motion with the feet of the findings at their places, if they slide less so (`sliding`)
-    and no more frames jump; else the motion itself.
+def mend_feet(view: View, findings: list[Finding]) -> Motion:
+    """The motion with the feet of the findings at their places, if they slide less so
+    (`View.sliding`) and no more frames jump; else the motion itself.
 
     A finding about the body gives the root a path (`is_path`). A foot that stands still does so for
     longer than it seemed: it is looked for again, as long as that helps. Feet near which frames
     would jump are left as they are.
     """
-    travels = any(map(is_path, findings))
-    best = moved_along(motion, path_of_root(motion)) if travels else motion
-    feet = [finding for finding in findings if finding.joint in TOES]
-    stances = [Stance(TOES.index(f.joint), f.stretch.start, f.stretch.stop) for f in feet]
-    slides = max(sliding(best), STANDING_CENTIMETRES)
-    jumps = _jumps(best)
-    jumpy = np.zeros(len(motion), bool)
-    for _ in range(ROUNDS):
-        better = _standing(best, [x for x in stances if not jumpy[x.first : x.end].any()])
-        jumps_after = _jumps(better)
-        slides_after = sliding(better)
+    is_on_path = any(map(is_path, findings))
+    best = view
+    if is_on_path:
+        best = view.after(move_along(view, path_of_root(view)))
+    stances = []
+    for finding in findings:
+        if finding.joint in TOES:
+            foot = TOES.index(finding.joint)
+            stances.append(Stance(foot, finding.stretch.start, finding.stretch.stop))
+    slides = max(best.sliding, STANDING_CENTIMETRES)
+    jumps = _jumping_frames(best)
+    is_jumpy = np.zeros(len(view), bool)
+    for _ in range(MOST_HOLDS):
+        calm = [x for x in stances if not is_jumpy[x.first : x.end].any()]
+        better = best.after(hold_feet(best, calm))
+        jumps_after = _jumping_frames(better)
         if jumps_after.sum() > jumps.sum():
             new = (jumps_after & ~jumps)[:, None]
-            jumpy |= widen_runs(new, round(JUMPY_SECONDS * motion.rate) + 1)[:, 0]
-        elif slides_after < slides:
+            is_jumpy |= widen_runs(new, view.frames(JUMPY_SECONDS) + 1)[:, 0]
+        elif better.sliding < slides:
             best = better
-            slides = slides_after
+            slides = best.sliding
             jumps = jumps_after
-            stances = _stances(*_toes(best), motion.rate, travels)
+            stances = _stances(best, is_on_path)
         else:
             break
-    sharp = [(jump_levels(x) == SHARP).any(axis=1).sum() for x in (motion, best)]
-    return motion if travels and (slides > sliding(motion) or sharp[1] > sharp[0]) else best
+    if is_on_path and (slides > view.sliding or _sharp_frames(best) > _sharp_frames(view)):
+        return view.motion
+    return best.motion
 
 
-def _jumps(motion: Motion) -> np.ndarray:
+def path_of_root(view: View) -> np.ndarray:
+    """What the path of the root lacks, (frames, 3) in metres of a body of usual size: 0 if the root
+    follows the feet."""
+    body = view.body
+    toes = body[:, FEET]
+    hips = body[:, 0]
+    lower_height = toes[..., 1].min(axis=1)
+    leg = np.linalg.norm(np.diff(body[0, LEGS[0][:3]], axis=0), axis=-1).sum()
+    none = np.zeros((len(view), 3))
+    if len(view) < 3 or np.median(hips[:, 1] - lower_height) < UPRIGHT_SHARE * leg:
+        return none
+    if np.linalg.norm(_range(body[:, HANDS]), axis=-1).max() < HELD_METRES:
+        return none
+    root_steps = np.diff(hips, axis=0)
+    lower = (toes[1:, :, 1] + toes[:-1, :, 1]).argmin(axis=1)
+    # With these steps of the root the lower toe would stand still.
+    standing_steps = root_steps - np.diff(toes, axis=0)[np.arange(len(root_steps)), lower]
+    way = np.linalg.norm(standing_steps, axis=1).sum()
+    if np.linalg.norm(root_steps, axis=1).sum() >= FOLLOWING_SHARE * way:
+        return none
+    between_toes = _range(toes[:, 0] - toes[:, 1])
+    if np.hypot(between_toes[0], between_toes[2]) > NO_STEPS_METRES:
+        missing = median_of(standing_steps - root_steps, max(view.frames(CALM_SECONDS), 1))
+        path = np.concatenate([none[:1], np.cumsum(missing, axis=0)])
+    else:
+        path = toes[0].mean(axis=0) - toes.mean(axis=1)
+    path[:, 1] = np.median(lower_height) - lower_height
+    return butterworth(path, PATH_HERTZ, view.rate)
+
+
+def move_along(view: View, path: np.ndarray) -> Motion:
+    """The motion with its whole body moved along a path (frames, 3) of `path_of_root`."""
+    return retarget(view.motion, body_positions(view.motion) + view.size * path[:, None])
+
+
+def _range(x: np.ndarray) -> np.ndarray:
+    """The range of values (frames, …) in most frames."""
+    return np.subtract(*np.quantile(x, [0.9, 0.1], axis=0))
+
+
+def _jumping_frames(view: View) -> np.ndarray:
     """The frames (frames,) in which a joint jumps."""
-    return np.asarray((jump_levels(motion) > 0).any(axis=1))
+    return np.asarray((view.jumps > 0).any(axis=1))
 
 
-def _rests(motion: Motion, before: float) -> bool:
+def _sharp_frames(view: View) -> int:
+    """How many frames have a joint that jumps sharply."""
+    return int((view.jumps == SHARP).any(axis=1).sum())
+
+
+def _rests(view: View, sliding_before: float) -> bool:
     """Whether feet that slid with a speed before slide less on a path, and one of them stands in
     most frames: else they do not rest on a floor, and the path is the sum of noise."""
-    stands = sum(x.end - x.first for x in _stances(*_toes(motion), motion.rate, travels=True))
-    return sliding(motion) < before and stands > RESTING_SHARE * len(motion)
+    stands = sum(stance.end - stance.first for stance in _stances(view, is_on_path=True))
+    return view.sliding < sliding_before and stands > RESTING_SHARE * len(view)
 
 
-def _stances(toes: np.ndarray, level: float, rate: float, travels: bool) -> list[Stance]:
-    """The times in which a foot stands; of both toes (frames, 2, 3)."""
-    if len(toes) < 3:
+def _stances(view: View, is_on_path: bool) -> list[Stance]:
+    """The times in which a foot stands."""
+    if len(view) < 3:
         return []
-    frame = np.arange(len(toes))
-    around = max(round(CALM_SECONDS * rate), 1)
+    toes = view.toes
+    frame = np.arange(len(view))
+    around = max(view.frames(CALM_SECONDS), 1)
     before = (frame - around).clip(0)
-    after = (frame + around).clip(max=len(toes) - 1)
-    speed = np.linalg.norm(toes[after] - toes[before], axis=-1) * rate / (after - before)[:, None]
-    slow = speed < (SLOW_ON_PATH_METRES_A_SECOND if travels else SLOW_METRES_A_SECOND)
-    stands = slow & (toes[..., 1] < level + LOW_METRES)
-    stances = [Stance(foot, *run) for foot in (0, 1) for run in runs(stands[:, foot]).tolist()]
-    return [stance for stance in stances if stance.end - stance.first >= LEAST_SECONDS * rate]
+    after = (frame + around).clip(max=len(view) - 1)
+    way = np.linalg.norm(toes[after] - toes[before], axis=-1)
+    speed = way * view.rate / (after - before)[:, None]
+    slow = speed < (SLOW_ON_PATH_METRES_A_SECOND if is_on_path else SLOW_METRES_A_SECOND)
+    stands = slow & (toes[..., 1] < _standing_height(view) + LOW_METRES)
+    stances = []
+    for foot in (0, 1):
+        for first, end in runs(stands[:, foot]).tolist():
+            if end - first >= STANCE_SECONDS * view.rate:
+                stances.append(Stance(foot, first, end))
+    return stances
 
 
-def _standing(motion: Motion, stances: list[Stance]) -> Motion:
+def hold_feet(view: View, stances: list[Stance]) -> Motion:
     """The motion with each foot at its place while it stands."""
-    shift, weight = _shifts(motion, stances)
+    shift, weight = _shifts(view, stances)
     root = shift.sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0)
-    root = butterworth(root, PATH_HERTZ, motion.rate)
-    body = usual_body(motion)
+    root = butterworth(root, PATH_HERTZ, view.rate)
+    body = view.body
     targets = body + root[:, None]
     for foot, (hip, knee, ankle, toe) in enumerate(LEGS):
         targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
         chain = body[:, [hip, knee, ankle]]
-        targets[:, [ankle, toe]] += _softened(chain, targets[:, ankle] - targets[:, hip])[:, None]
+        targets[:, [ankle, toe]] += _soften(chain, targets[:, ankle] - targets[:, hip])[:, None]
         targets[:, knee] = bend_limb(targets[:, hip], chain, targets[:, knee], targets[:, ankle])
     changed = weight.any(axis=(1, 2)) | (np.abs(root).max(axis=1) > RESTING_METRES)
-    targets *= body_size(motion)
+    targets *= view.size
     # Nothing is damaged there: rotations that jump at an end of these frames are the file's.
-    start = motion.at(changed)
-    return retarget(motion, targets, np.repeat(changed[:, None], len(JOINTS), axis=1), start)
+    start = view.motion.at(changed)
+    touched = np.repeat(changed[:, None], len(JOINTS), axis=1)
+    return retarget(view.motion, targets, touched, start)
 
 
-def _softened(chain: np.ndarray, leg: np.ndarray) -> np.ndarray:
+def _soften(chain: np.ndarray, leg: np.ndarray) -> np.ndarray:
     """What is added to the vectors from hip to ankle (frames, 3) by the module's equation;
     `chain` (frames, 3 joints, 3) is the leg before."""
-    before, after = (np.linalg.norm(x, axis=1) for x in (chain[:, 2] - chain[:, 0], leg))
+    before = np.linalg.norm(chain[:, 2] - chain[:, 0], axis=1)
+    after = np.linalg.norm(leg, axis=1)
     straight = np.linalg.norm(np.diff(chain, axis=1), axis=2).sum(axis=1)
     start = np.maximum(before, (1 - SOFT_SHARE) * straight)
     rest = np.maximum(straight - start, 1e-9)
@@ -268,16 +287,17 @@ def _softened(chain: np.ndarray, leg: np.ndarray) -> np.ndarray:
     return (length / np.maximum(after, 1e-9) - 1)[:, None] * leg
 
 
-def _shifts(motion: Motion, stances: list[Stance]) -> tuple[np.ndarray, np.ndarray]:
+def _shifts(view: View, stances: list[Stance]) -> tuple[np.ndarray, np.ndarray]:
     """How far both feet are from their places, (frames, 2, 3) in metres, fading in and out before
     and after they stand; and the weight of that, (frames, 2, 1)."""
-    toes, level = _toes(motion)
+    toes = view.toes
+    level = _standing_height(view)
     shift = np.zeros(toes.shape)
     weight = np.zeros((*toes.shape[:2], 1))
-    frame = np.arange(len(motion))
+    frame = np.arange(len(view))
     for foot, first, end in stances:
         nearest = np.clip(frame, first, end - 1)
-        away = np.abs(frame - nearest) / (EASE_SECONDS * motion.rate + 1)
+        away = np.abs(frame - nearest) / (FADING_SECONDS * view.rate + 1)
         u = np.clip(1 - away, 0.0, 1.0)
         share = (u * u * (3 - 2 * u))[:, None]
         place = _place(toes[first:end, foot], level)
@@ -286,13 +306,13 @@ def _shifts(motion: Motion, stances: list[Stance]) -> tuple[np.ndarray, np.ndarr
     return shift / np.maximum(weight, 1.0), np.minimum(weight, 1.0)
 
 
-def _toes(motion: Motion) -> tuple[np.ndarray, float]:
-    """The places of both toes, (frames, 2, 3) in metres, and the height at which they stand."""
-    toes = usual_toes(motion)
+def _standing_height(view: View) -> float:
+    """The height at which toes stand, metres."""
+    toes = view.toes
     lower = toes[..., 1].min(axis=1)
     step = np.linalg.norm(np.diff(toes, axis=0, append=toes[-1:]), axis=-1).min(axis=1)
-    slow = step * motion.rate < SLOW_METRES_A_SECOND
-    return toes, float(np.median(lower[slow] if slow.any() else lower))
+    slow = step * view.rate < SLOW_METRES_A_SECOND
+    return float(np.median(lower[slow] if slow.any() else lower))
 
 
 def _place(toe: np.ndarray, level: float) -> np.ndarray:

@@ -19,49 +19,16 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.cleanup.kinds import BODY, FOOT, KINDS, MARKED, T_POSE, Kind
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.masks import runs
 
-KINDS = (
-    *("T-pose", "root elsewhere", "turned", "limb turned", "displaced", "spike", "length"),
-    *("repeated", "frozen", "not finite", "jumps", "jitter", "foot", "marked"),
-)
-"""Kinds of findings:
-
-- T-pose: a pose of reference at the start, which a jump ends
-- root elsewhere: the body is at another place for some frames, or from a frame on
-- turned: a rotation is turned, by the same turn, for some frames or from a frame on
-- limb turned: a hip is turned, by a turn that begins and ends within a few frames
-- displaced: a rotation is another between a jump and the jump back
-- spike: a rotation jumps away and back within a few frames
-- length: a bone has another length than in the rest of the file
-- repeated: the file repeats a pose until the motion jumps on
-- frozen: a rotation stands still until it jumps
-- not finite: values are no numbers
-- jumps: a joint jumps from frame to frame
-- jitter: noise in every frame
-- foot: a foot that stands slides, or is in the floor or above it; of the body, the root does not
-  move as the feet do
-- marked: the user says so
-"""
-BODY = "body"
-"""BODY: the `joint` of a finding about the whole body."""
-OF_ONE_JOINT = ("turned", "displaced", "length", "root elsewhere")
-"""OF_ONE_JOINT: findings of these kinds are about one joint, in some of the frames."""
-JOINTS_OF_KIND = {
-    **dict.fromkeys(("T-pose", "jitter", "repeated"), (BODY,)),
-    **dict.fromkeys(("jumps", "marked"), (BODY, *JOINTS)),
-    "foot": (BODY, "left_toe", "right_toe"),
-    "limb turned": ("left_hip", "right_hip"),
-}
-"""JOINTS_OF_KIND: findings of these kinds are about one of these; others may be about any joint of
-the rig."""
-STATUSES = dict.fromkeys(("repaired", "proposed"), "") | {
-    "left": "left alone, since feet would slide more or joints would jump more"
-}
-"""STATUSES: what became of a finding, and what is printed about it: it was mended; it is not
-certain enough and was not mended; it was not mended since mending made the motion worse."""
+LEFT_REASON = "feet would slide more or joints would jump more"
+"""Why a finding was not mended although it is certain."""
+STATUSES = ("repaired", "proposed", "left")
+"""What became of a finding: it was mended; it is not certain enough and was not mended; it was not
+mended since mending made the motion worse (`LEFT_REASON`)."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +42,7 @@ class Finding:
     frames : (int, int)
         The first and the last frame of the file, counted from 0.
     kind : str
-        One of `KINDS`.
+        One of the names in `kinds.KINDS`.
     evidence : str
         What in the file shows the damage, with numbers.
     cm : float
@@ -94,16 +61,16 @@ class Finding:
 
     Examples
     --------
-    >>> found = Finding("left_wrist", (30, 32), "spike", "rotates by 62° and back", 41.3, 0.95)
-    >>> found
+    >>> spike = Finding("left_wrist", (30, 32), "spike", "rotates by 62° and back", 41.3, 0.95)
+    >>> spike
     left_wrist: frames 30 to 32: spike (rotates by 62° and back): 41.3 cm, confidence 0.95
-    >>> Finding.from_json(found.to_json()) == found
+    >>> Finding.from_json(spike.to_json()) == spike
     True
     """
 
     joint: str
     frames: tuple[int, int]
-    kind: str = "marked"
+    kind: str = MARKED.name
     evidence: str = ""
     cm: float = 0.0
     confidence: float = 1.0
@@ -122,10 +89,25 @@ class Finding:
     def __repr__(self) -> str:
         first, last = self.frames
         frames = f"frames {first} to {last}" if last > first else f"frame {first}"
-        why = "; ".join(filter(None, [self.evidence, STATUSES[self.status]]))
-        why = f" ({why})" if why else ""
+        reasons = []
+        if self.evidence:
+            reasons.append(self.evidence)
+        if self.status == "left":
+            reasons.append(f"left alone, since {LEFT_REASON}")
+        reason = f" ({'; '.join(reasons)})" if reasons else ""
         moved = f"{self.cm:.1f} cm, " if self.cm else ""
-        return f"{self.joint}: {frames}: {self.kind}{why}: {moved}confidence {self.confidence:.2f}"
+        damage = f"{self.kind}{reason}"
+        return f"{self.joint}: {frames}: {damage}: {moved}confidence {self.confidence:.2f}"
+
+    @property
+    def row(self) -> Kind:
+        """What holds for findings of this kind: the row of `KINDS`."""
+        return KINDS[self.kind]
+
+    @property
+    def is_repaired(self) -> bool:
+        """Whether the finding is, or is to be, mended."""
+        return self.status == "repaired"
 
     @property
     def stretch(self) -> slice:
@@ -144,8 +126,8 @@ class Finding:
 
         Raises ValueError if `joint` or `frames` is missing, or a value has another type.
         """
-        usual = {"kind": "marked", "evidence": "", "cm": 0.0, "confidence": 1.0}
-        match usual | {"status": "repaired", "accept": False} | entry:
+        defaults = {"kind": MARKED.name, "evidence": "", "cm": 0.0, "confidence": 1.0}
+        match defaults | {"status": "repaired", "accept": False} | entry:
             case {
                 "joint": str(),
                 "frames": [int() as first, int() as last],
@@ -155,16 +137,18 @@ class Finding:
                 "confidence": int() | float(),
                 "status": str() as status,
                 "accept": bool() as accept,
-                **others,
-            } if not others:
-                given = {"frames": (first, last), "status": "repaired" if accept else status}
-                return Finding(**{key: entry[key] for key in entry if key != "accept"} | given)
+                **unexpected,
+            } if not unexpected:
+                values = {key: value for key, value in entry.items() if key != "accept"}
+                values["frames"] = (first, last)
+                values["status"] = "repaired" if accept else status
+                return Finding(**values)
         raise ValueError(f"expected an object such as {json.dumps(EXAMPLE.to_json())}")
 
 
 def is_path(finding: Finding) -> bool:
     """Whether a finding says that the path of the root follows from the feet."""
-    return (finding.joint, finding.kind) == (BODY, "foot")
+    return finding.joint == BODY and finding.row is FOOT
 
 
 def confidence(score: float) -> float:
@@ -176,13 +160,15 @@ def confidence(score: float) -> float:
 EXAMPLE = Finding("left_wrist", (30, 32), "spike", "rotates by 62° and back", 41.3, 0.95)
 
 
-def marked(mask: np.ndarray, names: Sequence[str] = JOINTS, kind: str = "marked") -> list[Finding]:
+def findings_of_mask(
+    mask: np.ndarray, names: Sequence[str] = JOINTS, kind: Kind = MARKED
+) -> list[Finding]:
     """The runs of a mask (frames, joints) as findings of a kind."""
-    return [
-        Finding(name, (int(first), int(end) - 1), kind)
-        for name, column in zip(names, mask.T, strict=True)
-        for first, end in runs(column)
-    ]
+    findings = []
+    for name, column in zip(names, mask.T, strict=True):
+        for first, end in runs(column):
+            findings.append(Finding(name, (int(first), int(end) - 1), kind.name))
+    return findings
 
 
 def joint_names(motion: Motion) -> list[str]:
@@ -193,7 +179,7 @@ def joint_names(motion: Motion) -> list[str]:
     return names
 
 
-def usable(motion: Motion, finding: Finding) -> Finding:
+def check_finding(motion: Motion, finding: Finding) -> Finding:
     """A finding of a user with our name of its joint; ValueError if it cannot be mended in the
     motion."""
     joint = finding.joint
@@ -203,28 +189,30 @@ def usable(motion: Motion, finding: Finding) -> Finding:
         joint = names[motion.skeleton.index(joint)]
     elif joint not in (BODY, *names):
         raise ValueError(f"{finding}: the rig has no joint {joint!r}")
-    allowed = JOINTS_OF_KIND.get(finding.kind)
-    if allowed and joint not in allowed:
-        expected = ", ".join(allowed) if len(allowed) < len(JOINTS) else "one of the twenty joints"
+    row = finding.row
+    if row.joints and joint not in row.joints:
+        is_short = len(row.joints) < len(JOINTS)
+        expected = ", ".join(row.joints) if is_short else "one of the twenty joints"
         raise ValueError(f"{finding}: of kind {finding.kind!r} the joint is {expected}")
-    if joint == BODY and finding.kind in OF_ONE_JOINT:
+    if joint == BODY and row.is_of_one_joint:
         raise ValueError(f"{finding}: of kind {finding.kind!r} name the joint")
     if finding.frames[1] > last:
         raise ValueError(f"{finding}: the motion has frames 0 to {last}")
-    if finding.kind == "T-pose" and (finding.frames[0] or finding.frames[1] == last):
+    if row is T_POSE and (finding.frames[0] or finding.frames[1] == last):
         raise ValueError(f"{finding}: a T-pose is at the start and ends before the last frame")
-    if finding.kind in OF_ONE_JOINT and finding.frames == (0, last):
+    if row.is_of_one_joint and finding.frames == (0, last):
         raise ValueError(f"{finding}: no frame is left that says what is right")
     return replace(finding, joint=joint)
 
 
-def shifted(findings: Sequence[Finding], frames: int) -> list[Finding]:
+def shift_findings(findings: Sequence[Finding], frames: int) -> list[Finding]:
     """The findings some frames later; what lies before frame 0 is left out."""
-    return [
-        replace(finding, frames=(max(finding.frames[0] + frames, 0), finding.frames[1] + frames))
-        for finding in findings
-        if finding.frames[1] + frames >= 0
-    ]
+    shifted = []
+    for finding in findings:
+        first, last = finding.frames
+        if last + frames >= 0:
+            shifted.append(replace(finding, frames=(max(first + frames, 0), last + frames)))
+    return shifted
 
 
 def write_findings(path: str | Path, findings: Iterable[Finding]) -> None:
@@ -242,8 +230,8 @@ def write_findings(path: str | Path, findings: Iterable[Finding]) -> None:
 
     Examples
     --------
-    >>> write_findings("found.json", [Finding("left_wrist", (30, 32), "spike")])
-    >>> json.loads(Path("found.json").read_text("utf-8"))[0]["frames"]
+    >>> write_findings("findings.json", [Finding("left_wrist", (30, 32), "spike")])
+    >>> json.loads(Path("findings.json").read_text("utf-8"))[0]["frames"]
     [30, 32]
     """
     lines = [json.dumps(finding.to_json(), ensure_ascii=False) for finding in findings]

@@ -3,9 +3,10 @@
 Which curve, and how strong a correction, is best in this motion? Each hole, a run of frames in
 which joints are missing, is imitated in the known frames of its own motion, where the truth is
 known: the same joints are hidden in as many frames, and every candidate k fills them in. With e_ik
-the mean error of candidate k in trial i of I, for the joints of one kind (`classify_holes`),
-and r_k the mean of log e_k in holes of that kind and length of other sources
-(`fill_strengths.json`, which `python -m tools.fill_strengths` makes), the candidates' mean is
+the mean error of candidate k in trial i of I, for the joints of one kind of hole
+(`filling.classify_holes`), and r_k the mean of log e_k in holes of that kind and length of other
+sources (`fill_strengths.json`, which `python -m tools.fill_strengths` makes), the mean of the
+candidates is
 
     X = Σ_k w_k X_k,    w_k ∝ exp(-p l_k),    l_k = (Σ_i log e_ik + P r_k) / (I + P)
 
@@ -26,7 +27,12 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.cleanup.finding import Finding
-from numpy_cae.cleanup.interpolated import interpolate_channels, missing_joints, on_curves
+from numpy_cae.cleanup.interpolation import (
+    interpolate_channels,
+    interpolate_joints,
+    missing_joints,
+)
+from numpy_cae.cleanup.kinds import MARKED
 from numpy_cae.manifold.filling import HOLE_KINDS, classify_holes, complete_from_curves, fill
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body, at_rate_of, body_of
@@ -38,9 +44,32 @@ from numpy_cae.motion.hole_curves import CURVES, Curve, CurveAt, eased, eased_ev
 from numpy_cae.motion.masks import at_thirty, run_numbers, runs
 from numpy_cae.motion.motion import blocks
 
-LONG_FRAMES = 18_000
-"""LONG_FRAMES: the distance from the manifold is measured over at most so many frames at a time,
-ten minutes at thirty a second."""
+BLOCK_FRAMES = 18_000
+"""The distance from the manifold is measured over at most so many frames at a time, ten minutes at
+thirty a second: so the memory of the network's arrays has a bound."""
+UNKNOWN_METRES = 0.12
+"""A motion is unlike what the manifold learned from if its residual exceeds this (m), which is more
+than that of any take of a source left out of training (docs/lab_book/detection.md)."""
+LONG_SECONDS = 0.1
+"""The manifold corrects what was interpolated over at least this time (s)."""
+STRENGTHS = np.linspace(0.0, 1.0, 5)
+"""These values of s of the module's equation are tried."""
+POWERS = {"curves": 8.0, "strengths": 16.0}
+"""The p of the module's equation, chosen on sources left out of training
+(docs/lab_book/filling.md)."""
+PRIOR_TRIALS = 2.0
+"""The number of trials that other sources count as, chosen in the same way."""
+TRIALS_SECONDS = 5.0
+"""Trials are at most this far before and after a hole (s)."""
+MARGIN_SECONDS = 0.2
+"""A trial is at least this far from an unknown frame (s)."""
+BETWEEN_TRIALS_SECONDS = 0.5
+"""Two trials are at least this far apart (s), and as far as they are long."""
+MOST_HOLES = 40
+"""The longest holes, so many of them, have trials; the rest has the prior's weights. The trials of
+a hole take a tenth to half of a second."""
+LEAST_ERROR_METRES = 2e-4
+"""Smaller errors (m) count as this."""
 
 
 class Holes:
@@ -54,8 +83,7 @@ class Holes:
         What is damaged or missing, in the frames of the file.
     start : Motion, optional
         The frames of the motion that have holes, with the damaged rotations of the rig
-        interpolated; those of `on_curves` where None. All frames of an hour would take half a
-        gigabyte more.
+        interpolated; those of `interpolate_joints` where None.
 
     Attributes
     ----------
@@ -70,9 +98,11 @@ class Holes:
         self.body = body
         self.in_file = in_file
         self.mask = at_thirty(body.motion, in_file)
-        there = np.asarray(in_file.any(axis=1))
-        self.start = on_curves(body.motion, in_file).at(there) if start is None else start
-        positions = _positions_with(body, there, self.start)
+        in_holes = np.asarray(in_file.any(axis=1))
+        if start is None:
+            start = interpolate_joints(body.motion, in_file).at(in_holes)
+        self.start = start
+        positions = _positions_with(body, in_holes, start)
         self.lengths = bone_lengths(positions)
         positions = np.where(self.mask[..., None], positions, body.positions)
         positions = change_lengths(positions, self.lengths, body.mean_lengths)
@@ -88,14 +118,14 @@ class Holes:
         if self.mask.all():
             return 0.0
         distance = np.zeros(self.mask.shape)
-        for frames in blocks(np.arange(len(distance)), LONG_FRAMES):
-            known = self.features[frames]
-            filled = fill(manifold, known, self.mask[frames])
-            projected = manifold.project(filled, average_shifts=True)
-            distance[frames] = np.linalg.norm(local_positions(known - projected), axis=-1)
+        for frames in blocks(np.arange(len(distance)), BLOCK_FRAMES):
+            features = self.features[frames]
+            completed = fill(manifold, features, self.mask[frames])
+            projected = manifold.project(completed, average_shifts=True)
+            distance[frames] = np.linalg.norm(local_positions(features - projected), axis=-1)
         return float(np.median(distance[~self.mask]))
 
-    def filled(self, features: np.ndarray) -> Motion:
+    def move_to(self, features: np.ndarray) -> Motion:
         """The motion with the joints of the holes, and nothing else, moved to those of features
         (F, 63) on the mean skeleton."""
         motion = self.body.motion
@@ -108,9 +138,9 @@ class Holes:
         row = np.cumsum(self.in_file.any(axis=1)) - 1  # of a frame in `start`
 
         def targets(frames: np.ndarray) -> np.ndarray:
-            after = self.start.at(row[frames]).positions(joints)
-            moved = at_rate_of(motion, correction, frames)
-            return after + moved * weight[frames, :, None]
+            interpolated = self.start.at(row[frames]).positions(joints)
+            change = at_rate_of(motion, correction, frames)
+            return interpolated + change * weight[frames, :, None]
 
         return retarget(motion, targets, self.in_file, self.start)
 
@@ -118,22 +148,23 @@ class Holes:
 def holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
     """The holes of findings, with their damaged channels interpolated."""
     missing = missing_joints(body.motion, findings)
-    there = np.asarray(missing.any(axis=1))
-    return Holes(body, missing, interpolate_channels(body.motion, findings, curve_at, there))
+    in_holes = np.asarray(missing.any(axis=1))
+    start = interpolate_channels(body.motion, findings, curve_at, in_holes)
+    return Holes(body, missing, start)
 
 
-def _positions_with(body: Body, there: np.ndarray, start: Motion) -> np.ndarray:
+def _positions_with(body: Body, in_holes: np.ndarray, start: Motion) -> np.ndarray:
     """The positions (F, 20, 3) of a body whose motion is `start` in the frames of a mask."""
     motion = body.motion
     source = motion.source_frames(RATE)
     if source.dtype == int:  # frames are only dropped: no other pose changes
         positions = body.positions.copy()
-        poses = np.flatnonzero(there[source])
-        rows = (np.cumsum(there) - 1)[source[poses]]
+        poses = np.flatnonzero(in_holes[source])
+        rows = (np.cumsum(in_holes) - 1)[source[poses]]
         positions[poses] = start.at(rows).positions(rig_of(motion).joints)
         return positions
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
-    rotations[there], translations[there] = start.rotations, start.translations
+    rotations[in_holes], translations[in_holes] = start.rotations, start.translations
     return body_of(replace(motion, rotations=rotations, translations=translations))
 
 
@@ -148,66 +179,36 @@ def _ramps(holes: np.ndarray, rate: float) -> np.ndarray:
     return u * u * (3 - 2 * u)
 
 
-UNKNOWN_METRES = 0.12
-"""UNKNOWN_METRES: a motion is unlike what the manifold knows if its residual exceeds this (m),
-which is more than that of any take of a source left out of training
-(docs/lab_book/detection.md)."""
-LONG_SECONDS = 0.1
-"""LONG_SECONDS: the manifold corrects what was interpolated over at least this time (s)."""
-FILLED_KINDS = ("repeated", "frozen", "displaced", "not finite")
-"""FILLED_KINDS: the manifold fills in findings of these kinds where they are long, and what is
-marked."""
-
-
 def complete_holes(
-    motion: Motion, manifold: MotionManifold, found: list[Finding]
+    motion: Motion, manifold: MotionManifold, findings: list[Finding]
 ) -> tuple[Motion, float]:
     """The motion with the holes of findings filled in by the manifold, and the typical distance (m)
     of the motion from the manifold.
 
-    A motion that is unlike what the manifold knows gets only what the user marked.
+    A motion that is unlike what the manifold learned from gets only what the user marked.
     """
     manifold = manifold.remember_projections()
     body = Body(motion, manifold.lengths)
-    filled = [finding for finding in found if _is_filled(finding, motion.rate)]
-    residual = holes_of(body, filled).typical_residual(manifold)
+    long_findings = [finding for finding in findings if _is_filled(finding, motion.rate)]
+    residual = holes_of(body, long_findings).typical_residual(manifold)
     if residual > UNKNOWN_METRES:
-        filled = [finding for finding in filled if finding.kind == "marked"]
-    return filled_by(manifold, body, filled), residual
+        long_findings = [finding for finding in long_findings if finding.row is MARKED]
+    return fill_holes(manifold, body, long_findings), residual
 
 
-def filled_by(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
+def fill_holes(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
     """The motion of a body with the holes of findings filled in by the manifold."""
     curve_at, strength = curves_and_strengths(manifold, body, missing_joints(body.motion, findings))
     holes = holes_of(body, findings, curve_at)
-    return holes.filled(complete_from_curves(manifold, holes.features, holes.mask, strength))
+    return holes.move_to(complete_from_curves(manifold, holes.features, holes.mask, strength))
 
 
 def _is_filled(finding: Finding, rate: float) -> bool:
     """Whether the manifold fills in a finding."""
+    if not finding.is_repaired:
+        return False
     is_long = finding.frames[1] - finding.frames[0] >= LONG_SECONDS * rate
-    long_kind = finding.kind in FILLED_KINDS and is_long
-    return finding.status == "repaired" and (finding.kind == "marked" or long_kind)
-
-
-STRENGTHS = np.linspace(0.0, 1.0, 5)
-"""STRENGTHS: these values of s of the module's equation are tried."""
-POWERS = {"curves": 8.0, "strengths": 16.0}
-"""POWERS: p of the module's equation, chosen on sources left out of training
-(docs/lab_book/filling.md)."""
-PRIOR_TRIALS = 2.0
-"""PRIOR_TRIALS: the number of trials that other sources count as, chosen in the same way."""
-NEAR_SECONDS = 5.0
-"""NEAR_SECONDS: trials are at most this far before and after a hole (s)."""
-MARGIN_SECONDS = 0.2
-"""MARGIN_SECONDS: a trial is at least this far from an unknown frame (s)."""
-APART_SECONDS = 0.5
-"""APART_SECONDS: two trials are at least this far apart (s), and as far as they are long."""
-MOST_HOLES = 40
-"""MOST_HOLES: the longest holes, so many of them, have trials; all others have the prior's weights.
-The trials of a hole take a tenth to half of a second."""
-LEAST_METRES = 2e-4
-"""LEAST_METRES: smaller errors (m) count as this."""
+    return finding.row is MARKED or (finding.row.is_filled and is_long)
 
 
 class Trials(NamedTuple):
@@ -215,15 +216,15 @@ class Trials(NamedTuple):
 
     Parameters
     ----------
-    kinds : (frames, 20) array of str
-        The kinds of the joints that are hidden (`classify_holes`), else "".
+    hole_kinds : (frames, 20) array of str
+        The kinds of the joints that are hidden (`filling.classify_holes`), else "".
     starts : list of int
         The first frame of each trial.
     size : int
         The frames of a trial.
     """
 
-    kinds: np.ndarray
+    hole_kinds: np.ndarray
     starts: list[int]
     size: int
 
@@ -249,7 +250,7 @@ def curves_and_strengths(
     """
     source = body.motion.source_frames(RATE)
     number = run_numbers(missing)
-    kinds = classify_holes(missing)
+    hole_kinds = classify_holes(missing)
     kinds_at_rate = classify_holes(at_thirty(body.motion, missing))
     strength = np.zeros(kinds_at_rate.shape)
     curves = dict[int, Curve]()
@@ -258,47 +259,47 @@ def curves_and_strengths(
     longest_first = holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]
     for rank, (first, end) in enumerate(longest_first.tolist()):
         hole = slice(first, end)
-        best = best_in_hole(manifold, body, kinds, always, hole, rank < MOST_HOLES)
+        best = best_in_hole(manifold, body, hole_kinds, always, hole, rank < MOST_HOLES)
         at_rate = slice(*np.searchsorted(source, [first - 1, end + 1]))
         for kind, (curve, s) in best.items():
             strength[at_rate][kinds_at_rate[at_rate] == HOLE_KINDS.index(kind)] = s
-            alike = number[first:end][kinds[first:end] == HOLE_KINDS.index(kind)]
-            curves |= dict.fromkeys(np.unique(alike), curve)
+            of_kind = number[first:end][hole_kinds[first:end] == HOLE_KINDS.index(kind)]
+            curves |= dict.fromkeys(np.unique(of_kind), curve)
     return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
 
 
 def best_in_hole(
     manifold: MotionManifold,
     body: Body,
-    kinds: np.ndarray,
+    hole_kinds: np.ndarray,
     always: np.ndarray,
     hole: slice,
     tried: bool,
 ) -> dict[str, tuple[Curve, float]]:
     """The curve and the strength for each kind in a hole, which is a run of frames.
 
-    `kinds` (frames, 20) are those of `classify_holes`; `always` (20,) says which joints
-    are missing in all frames. Only if `tried` there are trials.
+    `hole_kinds` (frames, 20) are those of `classify_holes`; `always` (20,) says which joints are
+    missing in all frames. Only if `tried` there are trials.
     """
     rate = body.motion.rate
-    pattern = np.where(always, "", np.array(HOLE_KINDS)[kinds[hole]])
-    margin = round(NEAR_SECONDS * rate)
+    pattern = np.where(always, "", np.array(HOLE_KINDS)[hole_kinds[hole]])
+    margin = round(TRIALS_SECONDS * rate)
     near = slice(max(hole.start - margin, 0), hole.stop + margin)
     clip = Body(body.motion.at(near), body.mean_lengths)
-    missing = kinds[near] > 0
-    known = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
-    trials = trials_in(known & tried, pattern, rate)
-    hidden = missing | (trials.kinds != "")
+    missing = hole_kinds[near] > 0
+    is_visible = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
+    trials = trials_in(is_visible & tried, pattern, rate)
+    hidden = missing | (trials.hole_kinds != "")
     names = np.unique(pattern[pattern != ""]).tolist()
     seconds = {kind: float((pattern == kind).any(axis=1).sum() / rate) for kind in names}
-    on_curve = (on_one(clip, hidden, curve) for curve in CURVES.values())
+    on_curve = (interpolate_body(clip, hidden, curve) for curve in CURVES.values())
     by_curve = _weights_of("curves", seconds, errors_in(clip, trials, on_curve))
     curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
 
     def curve_at(joint: int, frame: int) -> Curve:
-        return curves.get(trials.kinds[frame, joint], eased)
+        return curves.get(trials.hole_kinds[frame, joint], eased)
 
-    corrections = on_strengths(manifold, clip, hidden, curve_at)
+    corrections = correct_body(manifold, clip, hidden, curve_at)
     by_strength = _weights_of("strengths", seconds, errors_in(clip, trials, corrections))
     return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in seconds}
 
@@ -311,20 +312,22 @@ def _weights_of(
     return {kind: weights(r, errors.get(kind), POWERS[name]) for kind, r in priors.items()}
 
 
-def on_one(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarray:
+def interpolate_body(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarray:
     """The positions (F, 20, 3) with all unknown rotations on one curve."""
-    return body_of(on_curves(body.motion, missing, lambda *_: curve))
+    return body_of(interpolate_joints(body.motion, missing, lambda *_: curve))
 
 
-def on_strengths(
+def correct_body(
     manifold: MotionManifold, body: Body, missing: np.ndarray, curve_at: CurveAt
 ) -> Iterator[np.ndarray]:
     """The positions (F, 20, 3) for each of `STRENGTHS`."""
-    start = on_curves(body.motion, missing, curve_at).at(np.asarray(missing.any(axis=1)))
-    holes = Holes(body, missing, start)
+    start = interpolate_joints(body.motion, missing, curve_at)
+    holes = Holes(body, missing, start.at(np.asarray(missing.any(axis=1))))
     full = complete_from_curves(manifold, holes.features, holes.mask, np.ones(holes.mask.shape))
-    x0, xn = map(holes.positions_of, (holes.features, full))
-    yield from (x0 + s * (xn - x0) for s in STRENGTHS)
+    x0 = holes.positions_of(holes.features)
+    xn = holes.positions_of(full)
+    for s in STRENGTHS:
+        yield x0 + s * (xn - x0)
 
 
 def errors_in(
@@ -336,11 +339,11 @@ def errors_in(
     """
     if not trials.starts:
         return {}
-    distances = [np.linalg.norm(each - body.positions, axis=-1) for each in candidates]
+    distances = [np.linalg.norm(x - body.positions, axis=-1) for x in candidates]
     source = body.motion.source_frames(RATE)
     errors: dict[str, list[list[float]]] = defaultdict(list)
-    for kind in np.unique(trials.kinds[trials.kinds != ""]):
-        mask = at_thirty(body.motion, trials.kinds == kind)
+    for kind in np.unique(trials.hole_kinds[trials.hole_kinds != ""]):
+        mask = at_thirty(body.motion, trials.hole_kinds == kind)
         for start in trials.starts:
             frames = slice(*np.searchsorted(source, [start, start + trials.size]))
             if mask[frames].any():
@@ -350,29 +353,31 @@ def errors_in(
 
 def weights(prior: np.ndarray, errors: np.ndarray | None, power: float) -> np.ndarray:
     """w of the module's equation, (K,), from r (K,) and the errors of trials (I, K), if any."""
-    logs = np.log(np.maximum(np.empty((0, len(prior))) if errors is None else errors, LEAST_METRES))
+    if errors is None:
+        errors = np.empty((0, len(prior)))
+    logs = np.log(np.maximum(errors, LEAST_ERROR_METRES))
     logs -= logs[:, :1]  # trials that are hard for all candidates weigh no more
     score = (logs.sum(axis=0) + PRIOR_TRIALS * prior) / (len(logs) + PRIOR_TRIALS)
     weight = np.exp(-power * (score - score.min()))
     return weight / weight.sum()
 
 
-def trials_in(known: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
-    """As many trials as fit into the runs of known frames (frames,), evenly spread over each.
+def trials_in(is_visible: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
+    """As many trials as fit into the runs of visible frames (frames,), evenly spread over each.
 
     `pattern` (n, 20) are the kinds of the joints that are missing in the hole, else "".
     """
     margin = round(MARGIN_SECONDS * rate)
     size = len(pattern)
-    kinds = np.zeros((len(known), len(JOINTS)), "U4")
+    hole_kinds = np.zeros((len(is_visible), len(JOINTS)), "U4")
     starts = list[int]()
-    apart = size + max(size, round(APART_SECONDS * rate))
-    for first, end in runs(known) + [margin, -margin - size]:
+    distance = size + max(size, round(BETWEEN_TRIALS_SECONDS * rate))
+    for first, end in runs(is_visible) + [margin, -margin - size]:
         if end >= first:
-            starts += np.linspace(first, end, (end - first) // apart + 1).astype(int).tolist()
+            starts += np.linspace(first, end, (end - first) // distance + 1).astype(int).tolist()
     for start in starts:
-        kinds[start : start + size] = pattern
-    return Trials(kinds, starts, size)
+        hole_kinds[start : start + size] = pattern
+    return Trials(hole_kinds, starts, size)
 
 
 def prior(name: str, kind: str, seconds: float) -> np.ndarray:

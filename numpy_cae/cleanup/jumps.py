@@ -1,6 +1,6 @@
 """Noise: joints that jump from frame to frame, and jitter of the whole motion.
 
-Where a joint jumps, the curves on the way to it that are not smooth are filtered strongly
+Where a joint jumps, the channels on the way to it that are not smooth are filtered strongly
 (`filters.filter_strongly`), and the result is blended into the rest on both sides. The filter of
 the whole motion smears single frames that jump, so these are filtered strongly after it, from the
 values before it.
@@ -10,51 +10,33 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
-from numpy_cae.cleanup.curves import at_about_thirty, body_size, curves_of, off_cubic
-from numpy_cae.cleanup.finding import BODY, Finding, confidence
-from numpy_cae.cleanup.presets import shaking
+from numpy_cae.cleanup.finding import Finding, confidence
+from numpy_cae.cleanup.kinds import BODY, JITTER, JUMPS
+from numpy_cae.cleanup.measures import shaking
+from numpy_cae.cleanup.view import OFF_MEDIAN_METRES, SHARP, SHARP_METRES, View
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, filters
 from numpy_cae.motion.contacts import FEET
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.masks import runs, widen_runs
-from numpy_cae.motion.motion import blocks
 from numpy_cae.motion.quaternions import slerp
 
-OFF_MEDIAN_METRES = 0.08
-"""OFF_MEDIAN_METRES: a step jumps if it differs from the median of seven steps by more than this
-(m)."""
-SHARP_METRES = OFF_MEDIAN_METRES / 2
-"""SHARP_METRES: a joint that jumps within a motion that is not filtered is further than this from a
-cubic (m), as after a single step of `OFF_MEDIAN_METRES`."""
-SHARP_METRES_A_SECOND_SQUARED = 45.0
-"""SHARP_METRES_A_SECOND_SQUARED: such a joint is also further from the cubic than this
-acceleration (m/s²) moves it in the time of a frame."""
-SHARPNESS_RATIO = 0.45
-"""SHARPNESS_RATIO: such a joint is also further from the cubic than this times its largest step of
-two frames around. After a frame that is elsewhere the ratio is 1, in noise about 1, where a joint
-moves to another place within a step 0.5, where it stops within a frame 0.33; in fast motion at 24
-to 30 frames a second it is mostly below 0.2."""
-SHARP = 2
-"""SHARP: the level of a step that jumps and is sharp (`jump_levels`)."""
-ROUNDS = 3
-"""ROUNDS: the strong filter acts at most this often."""
+MOST_FILTERINGS = 3
+"""The strong filter acts at most this often."""
 BLENDED_SECONDS = 0.25
-"""BLENDED_SECONDS: the strong filter acts from so long before a jump to so long after it (s)."""
-AROUND_SECONDS = 1.0
-"""AROUND_SECONDS: the strong filter is computed from so long before a jump to so long after it
-(s)."""
+"""The strong filter acts from so long before a jump to so long after it (s)."""
+FILTERED_SECONDS = 1.0
+"""The strong filter is computed from so long before a jump to so long after it (s)."""
 SHAKING = 0.1
-"""SHAKING: a motion shakes if the acceleration of its joints changes by more than this from frame
-to frame, in the median (m/s²)."""
-ROUGH_SHARE = 0.2
-"""ROUGH_SHARE: a rotation on the way to a joint that jumps is filtered if its roughness is at least
-this share of the largest on the way."""
+"""A motion shakes if the acceleration of its joints changes by more than this from frame to frame,
+in the median (m/s²)."""
+ROUGHEST_SHARE = 0.2
+"""A rotation on the way to a joint that jumps is filtered if its roughness is at least this share
+of the largest on the way."""
 
 
-def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+def find_jumps(view: View, sensitivity: float = 0.5) -> list[Finding]:
     """The times in which one of the twenty joints jumps from frame to frame, of kind "jumps".
 
     Examples
@@ -62,95 +44,82 @@ def find_jumps(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> from data_synth import make_take
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> motion.translations[20:40:2, motion.skeleton.index("lwrist")] += 0.2
-    >>> find_jumps(motion)
+    >>> find_jumps(View(motion))
     [left_wrist: frames 19 to 38: jumps ...
     """
-    levels = jump_levels(motion, _rough_frames(motion), sensitivity)
+    levels = view.jump_levels(_rough_frames(view), sensitivity)
     sharp = levels == SHARP
-    sparse, step = at_about_thirty(motion)
+    sparse, step = view.at_about_thirty()
     if step > 1:  # a joint that jumps within a 30th of a second does so in several frames
-        of_sparse = jump_levels(sparse, _rough_frames(sparse), sensitivity) == SHARP
-        sharp |= of_sparse.repeat(step, axis=0)[: len(motion)]
+        of_sparse = sparse.jump_levels(_rough_frames(sparse), sensitivity) == SHARP
+        sharp |= of_sparse.repeat(step, axis=0)[: len(view)]
     jumps = (levels > 0) | sharp
-    found = []
+    findings = []
     for column in np.flatnonzero(sharp.any(axis=0)).tolist():
-        joined = widen_runs(jumps[:, [column]], round(BLENDED_SECONDS * motion.rate / 2))[:, 0]
+        joined = widen_runs(jumps[:, [column]], view.frames(BLENDED_SECONDS / 2))[:, 0]
         for first, end in runs(joined).tolist():
             if not sharp[first:end, column].any():
                 continue
             at = first + np.flatnonzero(jumps[first:end, column])
             steps = "1 step differs" if len(at) == 1 else f"{len(at)} steps differ"
-            why = f"{steps} from the steps around by more than {100 * OFF_MEDIAN_METRES:.0f} cm"
-            found.append(Finding(JOINTS[column], (int(at[0]), int(at[-1])), "jumps", why))
-    return found
+            centimetres = 100 * OFF_MEDIAN_METRES
+            evidence = f"{steps} from the steps around by more than {centimetres:.0f} cm"
+            frames = (int(at[0]), int(at[-1]))
+            findings.append(Finding(JOINTS[column], frames, JUMPS.name, evidence))
+    return findings
 
 
-def _rough_frames(motion: Motion) -> np.ndarray:
-    """The frames next to those in which a curve is rough."""
-    curves = list(curves_of(motion)) if len(motion) >= filters.LEAST_FRAMES else []
-    rough = sum((curve.roughness() for curve in curves), np.zeros(len(motion)))
+def _rough_frames(view: View) -> np.ndarray:
+    """The frames next to those in which a channel is rough."""
+    rough = np.zeros(len(view))
+    if len(view) >= filters.LEAST_FRAMES:
+        for channel in view.channels:
+            rough = rough + channel.roughness()
     return np.flatnonzero(widen_runs(rough[:, None] > SHARP_METRES, 1)[:-1])
 
 
-def mend_jumps(motion: Motion, findings: Sequence[Finding]) -> Motion:
+def mend_jumps(view: View, findings: Sequence[Finding]) -> Motion:
     """The motion with the joints of the findings filtered there."""
-    jumps = np.zeros((len(motion), len(JOINTS)), bool)
+    jumps = np.zeros((len(view), len(JOINTS)), bool)
     for finding in findings:
         joints = JOINTS if finding.joint == BODY else [finding.joint]
-        jumps |= joint_mask(len(motion), joints, finding.stretch)
-    return without_jumps(motion, jumps)
+        jumps |= joint_mask(len(view), joints, finding.stretch)
+    return filter_jumps(view, jumps)
 
 
-def without_jumps(motion: Motion, jumps: np.ndarray, source: Motion | None = None) -> Motion:
+def filter_jumps(view: View, jumps: np.ndarray, source: Motion | None = None) -> Motion:
     """The motion with the joints that jump (frames, 20) filtered strongly around, and again where
     they still jump; first with the values of `source`, in which a jump is not smeared, if given."""
+    motion = view.motion
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
     filtered = replace(motion, rotations=rotations, translations=translations)
-    margin = round(AROUND_SECONDS * motion.rate)
-    for _ in range(ROUNDS if len(motion) >= filters.LEAST_FRAMES else 0):
+    if len(motion) < filters.LEAST_FRAMES:
+        return filtered
+    margin = view.frames(FILTERED_SECONDS)
+    blended = view.frames(BLENDED_SECONDS)
+    for _ in range(MOST_FILTERINGS):
         near = widen_runs(jumps.max(axis=1, keepdims=True), margin)[:, 0]
-        for first, end in runs(near).tolist():  # the filtered curves of an hour take 0.75 GB
+        for first, end in runs(near).tolist():
             part = slice(first, max(end, min(first + filters.LEAST_FRAMES, len(motion))))
-            done = _filtered_around(filtered.at(part), jumps[part], (source or filtered).at(part))
-            rotations[part], translations[part] = done.rotations, done.translations
+            values = filtered if source is None else source
+            blend = _filter_around(filtered.at(part), jumps[part], values.at(part))
+            rotations[part] = blend.rotations
+            translations[part] = blend.translations
         source = filtered
-        beside = widen_runs(jumps, round(BLENDED_SECONDS * motion.rate))
-        jumps = (jump_levels(filtered, np.flatnonzero(near[:-1])) > 0) & beside
+        levels = view.after(filtered).jump_levels(np.flatnonzero(near[:-1]))
+        jumps = (levels > 0) & widen_runs(jumps, blended)
         if not jumps.any():
             break
     return filtered
 
 
-def jump_levels(
-    motion: Motion, frames: np.ndarray | None = None, sensitivity: float = 0.5
-) -> np.ndarray:
-    """How much the steps to the next frame jump, (frames, 20) of int: 0 not, 1 if they differ by
-    more than `OFF_MEDIAN_METRES` from the median of seven steps, `SHARP` if, besides, their joint
-    is off the cubic through the two frames before it and the two after it. If `frames` are given,
-    only these are looked at."""
-    levels = np.zeros((len(motion), len(JOINTS)), np.int8)
-    least = max(SHARP_METRES, SHARP_METRES_A_SECOND_SQUARED / motion.rate**2) / (2 * sensitivity)
-    joints = rig_of(motion).joints
-    size = body_size(motion)
-    for part in blocks(np.arange(len(motion) - 1) if frames is None else frames):
-        first = max(int(part[0]) - 5, 0)
-        positions = motion.at(slice(first, int(part[-1]) + 6)).positions(joints) / size
-        steps = np.diff(positions, axis=0)
-        jumping = np.linalg.norm(steps - filters.median_of(steps, 3), axis=-1) > OFF_MEDIAN_METRES
-        off = np.linalg.norm(off_cubic(positions), axis=-1)
-        lengths = np.pad(np.linalg.norm(steps, axis=-1), ((2, 2), (0, 0)))
-        around = sliding_window_view(lengths, 5, axis=0).max(axis=-1)
-        sharp = np.maximum(off[:-1], off[1:]) >= np.maximum(least, SHARPNESS_RATIO * around)
-        levels[part] = (jumping * np.where(sharp, SHARP, 1))[part - first]
-    return levels
-
-
-def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motion:
+def _filter_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motion:
     """The motion with the rotations and translations of the joints on the way from the root to
     those that jump (frames, 20) those of `source` filtered around, as far as they are not smooth
     there."""
     strong = filters.filter_motion(source, lambda x: filters.filter_strongly(x, motion.rate))
-    near = widen_runs(_rough_on_the_way(source, jumps), round(BLENDED_SECONDS * motion.rate))
+    margin = round(BLENDED_SECONDS * motion.rate)
+    near = widen_runs(_rough_on_the_way(View(source), jumps), margin)
     width = max(2 * round(BLENDED_SECONDS * motion.rate / 2) + 1, 3)
     window = np.hanning(width + 2)[1:-1] / np.hanning(width + 2).sum()
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
@@ -162,39 +131,45 @@ def _filtered_around(motion: Motion, jumps: np.ndarray, source: Motion) -> Motio
     return replace(motion, rotations=rotations, translations=translations)
 
 
-def _rough_on_the_way(motion: Motion, jumps: np.ndarray) -> np.ndarray:
+def _rough_on_the_way(view: View, jumps: np.ndarray) -> np.ndarray:
     """The joints of the rig (frames, J) that are on the way to one of the twenty that jumps
     (frames, 20), and among the roughest on that way."""
-    rough = np.zeros((len(motion), len(motion.skeleton.names)))
-    for curve in curves_of(motion):
-        rough[:, curve.joint] += curve.roughness()
+    skeleton = view.motion.skeleton
+    rough = np.zeros((len(view), len(skeleton.names)))
+    for channel in view.channels:
+        rough[:, channel.joint] += channel.roughness()
     rough[:-1] = np.maximum(rough[:-1], rough[1:])
-    there = np.zeros(rough.shape, bool)
-    for column, joint in enumerate(rig_of(motion).joints):
-        path = motion.skeleton.path(joint)
+    is_rough = np.zeros(rough.shape, bool)
+    joints = rig_of(view.motion).joints
+    for column, joint in enumerate(joints):
+        path = skeleton.path(joint)
         roughest = rough[:, path].max(axis=1, keepdims=True)
-        there[:, path] |= jumps[:, [column]] & (rough[:, path] >= ROUGH_SHARE * roughest)
+        is_rough[:, path] |= jumps[:, [column]] & (rough[:, path] >= ROUGHEST_SHARE * roughest)
     # With the root the legs are filtered, too: else feet that stand would slide.
-    joints = rig_of(motion).joints
-    legs = [joint for toe in FEET for joint in motion.skeleton.path(joints[toe])]
-    there[:, legs] |= there[:, motion.skeleton.path(joints[0])].any(axis=1, keepdims=True)
-    return there
+    legs: list[int] = []
+    for toe in FEET:
+        legs += skeleton.path(joints[toe])
+    is_rough[:, legs] |= is_rough[:, skeleton.path(joints[0])].any(axis=1, keepdims=True)
+    return is_rough
 
 
-def find_jitter(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+def find_jitter(view: View, sensitivity: float = 0.5) -> list[Finding]:
     """One finding about the whole motion, of kind "jitter", if its joints shake and its rate
     lets noise and motion be separated."""
-    shakes = shaking(motion) / SHAKING
-    if shakes * 2 * sensitivity <= 1 or motion.rate < filters.LEAST_RATE:
+    ratio = shaking(view) / SHAKING
+    if ratio * 2 * sensitivity <= 1 or view.rate < filters.LEAST_RATE:
         return []
-    why = f"joints shake by {SHAKING * shakes:.1f} m/s²; the whole motion is smoothed"
-    return [Finding(BODY, (0, len(motion) - 1), "jitter", why, confidence=confidence(shakes))]
+    evidence = f"joints shake by {SHAKING * ratio:.1f} m/s²; the whole motion is smooth"
+    frames = (0, len(view) - 1)
+    return [Finding(BODY, frames, JITTER.name, evidence, confidence=confidence(ratio))]
 
 
-def smooth_motion(motion: Motion, findings: Sequence[Finding] = ()) -> Motion:
+def smooth_motion(view: View, findings: Sequence[Finding] = ()) -> Motion:
     """The motion without the jitter of its rotations and translations, in all frames."""
-    smooth = filters.filter_motion(motion, lambda curve: filters.smooth_curve(curve, motion.rate))
+    rate = view.rate
+    motion = filters.filter_motion(view.motion, lambda curve: filters.smooth_curve(curve, rate))
+    smooth = view.after(motion)
     # A fast kick is not sharp and no jump; what was sharp is no longer so once it is filtered.
-    sharp = (jump_levels(motion) == SHARP).any(axis=1, keepdims=True)
-    near = widen_runs(sharp, round(BLENDED_SECONDS * motion.rate))
-    return without_jumps(smooth, (jump_levels(smooth) > 0) & near, motion)
+    sharp = (view.jumps == SHARP).any(axis=1, keepdims=True)
+    near = widen_runs(sharp, view.frames(BLENDED_SECONDS))
+    return filter_jumps(smooth, (smooth.jumps > 0) & near, view.motion)

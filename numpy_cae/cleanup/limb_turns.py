@@ -10,7 +10,7 @@ fast. Therefore each of these is asked, and each has a threshold. The first two,
 the last two, of the manifold, may make up for each other a little (`WEAKEST_RATIO`):
 
 - undone, the turn leaves smaller accelerations while s rises and falls (`ROUGH_SHARE`)
-- the other joints move little meanwhile (`OTHERS_SHARE`), the knee too (`BEND_SHARE`)
+- the rest of the joints moves little meanwhile (`REST_SHARE`), the knee too (`BEND_SHARE`)
 - of the difference from what the manifold fills in for the limb, R̂⁻¹ R' or R' R̂⁻¹ as a rotation
   vector, s w explains nearly all (`UNEXPLAINED_SHARE`): a kick is not a constant difference
 - the knee is about as bent as the manifold has it (`CHILD_SHARE`)
@@ -26,70 +26,71 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.cleanup.curves import at_about_thirty
 from numpy_cae.cleanup.finding import Finding, confidence
 from numpy_cae.cleanup.holes import Holes
+from numpy_cae.cleanup.kinds import LIMB_TURNED
+from numpy_cae.cleanup.view import View
 from numpy_cae.manifold.filling import complete_from_curves
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, RATE, Motion
 from numpy_cae.motion.hole_curves import interpolate_rotations
-from numpy_cae.motion.joints import LIMBS, joint_mask
+from numpy_cae.motion.joints import LIMBS, SIDES, joint_mask
 from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
 
 LAGS_SECONDS = np.array([1, 2, 3, 4, 5, 7, 9]) / RATE
-"""LAGS_SECONDS: a turn begins, and ends, within one of these times (s)."""
-SHORTEST_SECONDS = 0.25
-"""SHORTEST_SECONDS: a turn stays for at least this time (s)."""
-LONGEST_SECONDS = 3.4
-"""LONGEST_SECONDS: a turn ends at most this time (s) after it began."""
-LEAST_DEGREES = 20.0
-"""LEAST_DEGREES: a rotation changes by more than this (°) where a turn begins, and at its end."""
+"""A turn begins, and ends, within one of these times (s)."""
+SHORTEST_TURN_SECONDS = 0.25
+"""A turn stays for at least this time (s)."""
+LONGEST_TURN_SECONDS = 3.4
+"""A turn ends at most this time (s) after it began."""
+LEAST_CHANGE_DEGREES = 20.0
+"""A rotation changes by more than this (°) where a turn begins, and at its end."""
 UNUSUAL_RATIO = 1.5
-"""UNUSUAL_RATIO: this change is more than so many times the 80% quantile of the changes of the
-rotation within the same time."""
+"""This change is more than so many times the 80% quantile of the changes of the rotation within the
+same time."""
 CLOSING_SHARE = 0.6
-"""CLOSING_SHARE: the two changes undo each other but for this share of the smaller one."""
+"""The two changes undo each other but for this share of the smaller one."""
 SAME_SHARE = 0.6
-"""SAME_SHARE: two possible turns are alternatives if they share this part of their frames."""
+"""Two possible turns are alternatives if they share this part of their frames."""
 MOST_ALTERNATIVES = 60
-"""MOST_ALTERNATIVES: of alternatives, so many are compared, those of the largest changes first."""
+"""Of alternatives, so many are compared, those of the largest changes first."""
 MOST_TURNS = 2000
-"""MOST_TURNS: of each limb so many possible turns are looked at, those of the largest changes: an
-hour of noise has a hundred times as many."""
+"""Of each limb so many possible turns are looked at, those of the largest changes: an hour of noise
+has a hundred times as many."""
 MOST_ASKED = 40
-"""MOST_ASKED: the manifold is asked so often about a limb at most."""
+"""The manifold is asked so often about a limb at most."""
 SURE_LEVEL = 0.75
-"""SURE_LEVEL: evidence below this share of its thresholds is certain, or below its thresholds if
-the turn begins and ends quickly: the legs of dances reach 0.78, and turn for longer."""
+"""Evidence below this share of its thresholds is certain, or below its thresholds if the turn
+begins and ends quickly: the legs of dances reach 0.78, and turn for longer."""
 QUICK_SECONDS = 0.1
-"""QUICK_SECONDS: a turn begins, or ends, quickly if within this time (s)."""
+"""A turn begins, or ends, quickly if within this time (s)."""
 MOST_LEVEL = 1.3
-"""MOST_LEVEL: evidence within this factor of its thresholds is proposed; if the file's own evidence
-is not, the manifold is not asked."""
+"""Evidence within this factor of its thresholds is proposed; if the file's own evidence is not, the
+manifold is not asked."""
 WEAKEST_RATIO = 1.6
-"""WEAKEST_RATIO: strong evidence of the file makes up for weak evidence of the manifold, and the
-other way round, but no share may exceed its threshold by more than this factor."""
-AROUND_SECONDS = 2.5
-"""AROUND_SECONDS: the manifold fills in a limb from the motion up to this time (s) around."""
+"""Strong evidence of the file makes up for weak evidence of the manifold, and the other way round,
+but no share may exceed its threshold by more than this factor."""
+CONTEXT_SECONDS = 2.5
+"""The manifold fills in a limb from the motion up to this time (s) around."""
 ROUGH_SHARE = 0.95
-"""ROUGH_SHARE: without the turn, the root mean square acceleration of the rotation while the turn
-begins and ends is at most this share of that with it (geometric mean of both ends)."""
-OTHERS_SHARE = 0.4
-"""OTHERS_SHARE: meanwhile the other joints turn by at most this share of the turn, in the mean."""
+"""Without the turn, the root mean square acceleration of the rotation while the turn begins and
+ends is at most this share of that with it (geometric mean of both ends)."""
+REST_SHARE = 0.4
+"""Meanwhile the rest of the joints turns by at most this share of the turn, in the mean."""
 BEND_SHARE = 0.7
-"""BEND_SHARE: meanwhile the knee turns by at most this share of the turn."""
+"""Meanwhile the knee turns by at most this share of the turn."""
 UNEXPLAINED_SHARE = 0.25
-"""UNEXPLAINED_SHARE: of the squared difference from the filled limb, the turn leaves at most this
-share unexplained."""
+"""Of the squared difference from the filled limb, the turn leaves at most this share
+unexplained."""
 CHILD_SHARE = 0.6
-"""CHILD_SHARE: the knee differs from the filled one by at most this share of the turn."""
-TURNED_JOINTS = {f"{side}_hip": LIMBS[f"{side}_leg"] for side in ("left", "right")}
-"""TURNED_JOINTS: the joints that may be turned, and the limbs that they move."""
-COMPARED = ("hips", "spine", "chest", "shoulder", "elbow", "hip", "knee")
-OTHERS = [column for column, name in enumerate(JOINTS) if name.endswith(COMPARED)]
-"""COMPARED, OTHERS: the joints whose rotations are compared with that of a leg."""
+"""The knee differs from the filled one by at most this share of the turn."""
+TURNED_JOINTS = {f"{side}_hip": LIMBS[f"{side}_leg"] for side in SIDES}
+"""The joints that may be turned, and the limbs that they move."""
+COMPARED_NAMES = ("hips", "spine", "chest", "shoulder", "elbow", "hip", "knee")
+COMPARED = [column for column, name in enumerate(JOINTS) if name.endswith(COMPARED_NAMES)]
+"""The joints whose rotations are compared with that of a leg."""
 
 
 class Turn(NamedTuple):
@@ -110,23 +111,23 @@ class Turn(NamedTuple):
         fall = (self.end - frames) / (self.end - self.falls)
         return np.clip(np.minimum(rise, fall), 0.0, 1.0)[:, None]
 
-    def overlap(self, other: "Turn") -> float:
+    def overlap(self, turn: "Turn") -> float:
         """The frames of both turns, as a share of the frames of either."""
-        common = min(self.end, other.end) - max(self.first, other.first)
-        return common / (max(self.end, other.end) - min(self.first, other.first))
+        common = min(self.end, turn.end) - max(self.first, turn.first)
+        return common / (max(self.end, turn.end) - min(self.first, turn.first))
 
     def at_frames(self, step: int) -> "Turn":
         """The turn in the frames of a motion of which every `step`-th frame was taken."""
         first, risen, falls, end = (step * frame for frame in self[:4])
         return Turn(first, risen, falls, end, self.vector, self.in_parent, self.size)
 
-    def undone(self, q: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    def undo(self, q: np.ndarray, frames: np.ndarray) -> np.ndarray:
         """Rotations (F, 4) in some frames without the turn."""
         back = from_vector(-self.share(frames) * self.vector)
         return product(back, q) if self.in_parent else product(q, back)
 
 
-def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold) -> list[Finding]:
+def find_limb_turns(view: View, sensitivity: float, manifold: MotionManifold) -> list[Finding]:
     """Findings of the kind "limb turned"; with less evidence they are proposed.
 
     Examples
@@ -138,35 +139,38 @@ def find_limb_turns(motion: Motion, sensitivity: float, manifold: MotionManifold
     >>> hip = motion.skeleton.index("rfemur")
     >>> turn = from_vector(share * [0.9, 0.0, 0.0])
     >>> motion.rotations[:, hip] = product(motion.rotations[:, hip], turn)
-    >>> find_limb_turns(motion, 0.5, starter())
+    >>> find_limb_turns(View(motion), 0.5, starter())
     [right_hip: frames 51 to 82: limb turned (...
     """
-    sparse, step = at_about_thirty(motion)
-    found = []
+    sparse, step = view.at_about_thirty()
+    motion = sparse.motion
+    findings = []
     for name in TURNED_JOINTS:
-        taken: list[Turn] = []
-        for turns in islice(_alternatives(sparse, name), MOST_ASKED):
-            turn, level = _best(sparse, manifold, name, turns)
-            if level >= MOST_LEVEL or any(turn.overlap(other) > 0 for other in taken):
+        accepted: list[Turn] = []
+        for turns in islice(_alternatives(motion, name), MOST_ASKED):
+            turn, level = _best(motion, manifold, name, turns)
+            if level >= MOST_LEVEL or any(turn.overlap(earlier) > 0 for earlier in accepted):
                 continue
-            taken.append(turn)
+            accepted.append(turn)
             degrees = np.degrees(np.linalg.norm(turn.vector))
-            why = f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
+            evidence = (
+                f"turns by {degrees:.0f}° and back, and stays so far from what the model fills in"
+            )
             frames = (turn.first * step + 1, turn.end * step - 1)
             longer = max(turn.risen - turn.first, turn.end - turn.falls)
-            score = (SURE_LEVEL if longer > QUICK_SECONDS * sparse.rate else 1.0) / level
+            score = (SURE_LEVEL if longer > QUICK_SECONDS * motion.rate else 1.0) / level
             status = "repaired" if score * 2 * sensitivity > 1 else "proposed"
             sure = confidence(score)
-            found.append(Finding(name, frames, "limb turned", why, 0.0, sure, status))
-    return found
+            findings.append(Finding(name, frames, LIMB_TURNED.name, evidence, 0.0, sure, status))
+    return findings
 
 
-def mend_limb_turns(
-    motion: Motion, findings: Sequence[Finding], manifold: MotionManifold
-) -> Motion:
+def mend_limb_turns(view: View, findings: Sequence[Finding], manifold: MotionManifold) -> Motion:
     """The motion without the turns of findings; where a turn begins and ends, the rotation is
     interpolated. A finding whose frames are those of no turn is not mended."""
-    sparse, step = at_about_thirty(motion)
+    motion = view.motion
+    sparse_view, step = view.at_about_thirty()
+    sparse = sparse_view.motion
     rotations = motion.rotations.copy()
     for finding in findings:
         joint = rig_of(motion).joints[JOINTS.index(finding.joint)]
@@ -179,7 +183,7 @@ def mend_limb_turns(
         turn, _ = _best(sparse, manifold, finding.joint, turns)
         turn = turn.at_frames(step)
         frames = np.arange(turn.first, min(turn.end + 1, len(motion)))
-        rotations[frames, joint] = turn.undone(rotations[frames, joint], frames)
+        rotations[frames, joint] = turn.undo(rotations[frames, joint], frames)
         missing = np.zeros((len(motion), 1), bool)
         missing[turn.first + 1 : turn.risen] = True
         missing[turn.falls + 1 : turn.end] = True
@@ -223,12 +227,13 @@ def _turns(q: np.ndarray, rate: float) -> Iterator[Turn]:
         sizes = np.linalg.norm(changes, axis=1)
         for i, first in enumerate(begins.tolist()):
             risen = first + int(lags[i])
-            latest = first + LONGEST_SECONDS * rate
-            near = (begins >= risen + SHORTEST_SECONDS * rate - 1) & (begins <= latest)
-            left = np.linalg.norm(changes[i] + changes[near], axis=1)
-            left /= np.minimum(sizes[i], sizes[near])
-            closing = left < CLOSING_SHARE
-            for j, share in zip(np.flatnonzero(near)[closing].tolist(), left[closing], strict=True):
+            earliest = risen + SHORTEST_TURN_SECONDS * rate - 1
+            near = (begins >= earliest) & (begins <= first + LONGEST_TURN_SECONDS * rate)
+            remaining = np.linalg.norm(changes[i] + changes[near], axis=1)
+            remaining /= np.minimum(sizes[i], sizes[near])
+            closing = remaining < CLOSING_SHARE
+            ends = np.flatnonzero(near)[closing].tolist()
+            for j, share in zip(ends, remaining[closing], strict=True):
                 vector = (changes[i] - changes[j]) / 2
                 size = min(ratios[i], ratios[j]) * (1 - share)
                 falls = int(begins[j])
@@ -239,17 +244,17 @@ def _turns(q: np.ndarray, rate: float) -> Iterator[Turn]:
 def _fast_changes(q: np.ndarray, rate: float, in_parent: bool) -> list[np.ndarray]:
     """Where a rotation changes fast: the frames before, the lags in frames, the rotation vectors of
     the changes, and their ratios to a usual change."""
-    found = []
+    fast = []
     for lag in np.unique(np.maximum(np.round(LAGS_SECONDS * rate), 1).astype(int)).tolist():
         change = _between(q[:-lag], q[lag:], in_parent)
         size = np.linalg.norm(change, axis=1)
         usual = max(np.quantile(size, 0.8), np.radians(3.0))
         padded = np.pad(size, 1)
         peak = (size >= padded[:-2]) & (size >= padded[2:])
-        peak &= size > max(np.radians(LEAST_DEGREES), UNUSUAL_RATIO * usual)
+        peak &= size > max(np.radians(LEAST_CHANGE_DEGREES), UNUSUAL_RATIO * usual)
         at = np.flatnonzero(peak)
-        found.append((at, np.full(len(at), lag), change[at], size[at] / usual))
-    return [np.concatenate(each) for each in zip(*found, strict=True)]
+        fast.append((at, np.full(len(at), lag), change[at], size[at] / usual))
+    return [np.concatenate(parts) for parts in zip(*fast, strict=True)]
 
 
 def _between(q: np.ndarray, r: np.ndarray, in_parent: bool) -> np.ndarray:
@@ -263,19 +268,19 @@ def _level_in_file(motion: Motion, name: str, turn: Turn) -> float:
     column = JOINTS.index(name)
     q = motion.rotations[:, joints[column]]
     rough = []
-    others = []
+    rest = []
     bend = []
     size = np.linalg.norm(turn.vector)
     for first, end in ((turn.first, turn.risen), (turn.falls, turn.end)):
         frames = np.arange(max(first - 2, 0), min(end + 3, len(q)))
-        after = _acceleration(turn.undone(q[frames], frames))
+        after = _acceleration(turn.undo(q[frames], frames))
         rough.append(after / max(_acceleration(q[frames]), 1e-9))
         ends = motion.rotations[[first, min(end, len(q) - 1)]][:, joints]
         turned = np.linalg.norm(_between(ends[0], ends[1], False), axis=1) / size
-        others.append(np.mean([turned[other] for other in OTHERS if other - column not in (0, 1)]))
+        rest.append(np.mean([turned[x] for x in COMPARED if x not in (column, column + 1)]))
         bend.append(turned[column + 1])
-    shares = np.sqrt(np.prod(rough)), max(others), max(bend)
-    return float(np.max(np.divide(shares, (ROUGH_SHARE, OTHERS_SHARE, BEND_SHARE))))
+    shares = (np.sqrt(np.prod(rough)), max(rest), max(bend))
+    return float(np.max(np.divide(shares, (ROUGH_SHARE, REST_SHARE, BEND_SHARE))))
 
 
 def _acceleration(q: np.ndarray) -> float:
@@ -290,18 +295,20 @@ def _levels_of_model(
     by its threshold."""
     first = max(min(turn.first for turn in turns) - 1, 0)
     end = min(max(turn.end for turn in turns) + 2, len(motion))
-    margin = round(AROUND_SECONDS * motion.rate)
+    margin = round(CONTEXT_SECONDS * motion.rate)
     start = max(first - margin, 0)
     near = motion.at(slice(start, end + margin))
     hole = slice(first - start, end - start)
     holes = Holes(Body(near, manifold.lengths), joint_mask(len(near), TURNED_JOINTS[name], hole))
     strength = np.ones(holes.mask.shape)
-    filled = holes.filled(complete_from_curves(manifold, holes.features, holes.mask, strength))
+    completed = holes.move_to(complete_from_curves(manifold, holes.features, holes.mask, strength))
     joint, child = rig_of(motion).joints[JOINTS.index(name) :][:2]
-    known = filled.rotations[hole]
+    expected = completed.rotations[hole]
     present = near.rotations[hole]
-    of_child = np.linalg.norm(_between(known[:, child], present[:, child], False), axis=1)
-    difference = [_between(known[:, joint], present[:, joint], way) for way in (False, True)]
+    of_child = np.linalg.norm(_between(expected[:, child], present[:, child], False), axis=1)
+    difference = [
+        _between(expected[:, joint], present[:, joint], in_parent) for in_parent in (False, True)
+    ]
     levels = []
     for turn in turns:
         share = turn.share(np.arange(first, end))

@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from numpy_cae.cleanup.finding import BODY, Finding, usable
+from numpy_cae.cleanup.finding import Finding, check_finding
+from numpy_cae.cleanup.kinds import BODY, MARKED
 from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile
 from numpy_cae.mocap.retargeting.to_rig import moves_alone
 from numpy_cae.mocap.rigs.recognise import joint_index
@@ -41,7 +42,7 @@ def entry_findings(entry: Any, motion: Motion) -> list[Finding]:
     if not isinstance(entry, Mapping):
         raise ValueError(f"expected one such as in {EXAMPLE}")
     if "kind" in entry:
-        return [usable(motion, Finding.from_json(dict(entry)))]
+        return [check_finding(motion, Finding.from_json(dict(entry)))]
     joints = []
     if "joint" in entry:
         joints.append(JOINTS[joint_index(str(entry["joint"]), motion)])
@@ -52,12 +53,12 @@ def entry_findings(entry: Any, motion: Motion) -> list[Finding]:
         joints += LIMBS[limb]
     mark = {"frames": [0, len(motion) - 1]} | {key: entry[key] for key in entry if key != "limb"}
     marks = [mark | {"joint": joint} for joint in joints or [BODY]]
-    return [usable(motion, Finding.from_json(mark)) for mark in marks]
+    return [check_finding(motion, Finding.from_json(mark)) for mark in marks]
 
 
 def require_movable(findings: Sequence[Finding], motion: Motion) -> None:
     """Raise ValueError if all that is marked is one joint that other joints of the rig hold."""
-    marked = {finding.joint for finding in findings if finding.kind == "marked"}
+    marked = {finding.joint for finding in findings if finding.row is MARKED}
     if len(marked) == 1 and marked < set(JOINTS) and not moves_alone(motion, *marked):
         raise ValueError(f"{', '.join(marked)} is fixed to other joints, of which none is named")
 

@@ -43,17 +43,18 @@ def project_motion(motion: Motion, manifold: MotionManifold) -> Motion:
     >>> len(projected), projected.rate
     (120, 120.0)
     """
-    # For an hour of motion each array at thirty frames a second takes 50 MB: only poses are kept.
-    return retarget_poses(motion, _projected_poses(Body(motion, manifold.lengths), manifold))
+    # The poses are computed in a function of its own, so that only they are kept.
+    return retarget_poses(motion, _project_poses(Body(motion, manifold.lengths), manifold))
 
 
-def _projected_poses(body: Body, manifold: MotionManifold) -> np.ndarray:
+def _project_poses(body: Body, manifold: MotionManifold) -> np.ndarray:
+    """The poses (F, 20, 3) of a body, projected."""
     projected = manifold.project(body.features, average_shifts=True)
     return body.positions_of(*keep_trajectory(body.features, projected, body.root, manifold.rate))
 
 
 def keep_trajectory(
-    features: np.ndarray, projected: np.ndarray, root: RootTransform, rate: float
+    file_features: np.ndarray, projected: np.ndarray, root: RootTransform, rate: float
 ) -> tuple[np.ndarray, RootTransform]:
     """Projected features on the slow part of the original root trajectory.
 
@@ -65,14 +66,14 @@ def keep_trajectory(
 
         h = ĥ + g * (h_file - ĥ),    θ = θ̂ + g * (θ_file - θ̂)
 
-    `features` and `projected` are (F, 63), `root` is of the first frame, and `rate` in frames a
-    second. Returns `projected` with another velocity and turn, and the root of its first frame.
+    `file_features` and `projected` are (F, 63), `root` is of the first frame, and `rate` in frames
+    a second. Returns `projected` with another velocity and turn, and the root of its first frame.
     """
-    file_floor, file_theta = trajectory_of(features, root)
+    file_floor, file_theta = trajectory_of(file_features, root)
     floor, theta = trajectory_of(projected, root)
     sigma = SMOOTHING_SECONDS * rate
     floor = floor + smooth(file_floor - floor, sigma)
     theta = theta + smooth((file_theta - theta)[:, None], sigma)[:, 0]
-    kept = projected.copy()
-    kept[:, VELOCITY.start :] = velocities_along(floor, theta)
-    return kept, RootTransform(floor[0, 0], floor[0, 2], theta[0])
+    features = projected.copy()
+    features[:, VELOCITY.start :] = velocities_along(floor, theta)
+    return features, RootTransform(floor[0, 0], floor[0, 2], theta[0])

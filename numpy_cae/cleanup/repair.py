@@ -1,7 +1,8 @@
 """Repair of a motion (holden2015, section 7, "Fixing Corrupt Motion Data").
 
-The paper projects the whole motion (`project_motion`), which also changes what was right. `repair`
-changes only what is damaged, and `fill_motion` only what the user says is missing. A repair is
+The paper projects the whole motion (`project_motion`), which also changes what was right.
+`repair_motion` changes only what is damaged, and `fill_motion` only what the user says is missing.
+A repair is
 
     find a T-pose at the start, and set it aside
     find what the file itself shows: `find_segments`
@@ -14,90 +15,114 @@ works at thirty frames a second, (F, …); masks and findings are in the frames 
 (frames, …).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.cleanup import jumps
-from numpy_cae.cleanup.curves import slides_of
-from numpy_cae.cleanup.displaced import find_displaced, mend_displaced
+from numpy_cae.cleanup.displacements import find_displacements, mend_displacements
 from numpy_cae.cleanup.feet import find_feet, mend_feet
-from numpy_cae.cleanup.finding import BODY, Finding, joint_names, marked, shifted, usable
-from numpy_cae.cleanup.holes import UNKNOWN_METRES, complete_holes, filled_by
-from numpy_cae.cleanup.interpolated import interpolate_channels, with_finite_values
+from numpy_cae.cleanup.finding import (
+    Finding,
+    check_finding,
+    findings_of_mask,
+    joint_names,
+    shift_findings,
+)
+from numpy_cae.cleanup.freezes import find_freezes, find_t_pose, is_held
+from numpy_cae.cleanup.holes import UNKNOWN_METRES, complete_holes, fill_holes
+from numpy_cae.cleanup.interpolation import interpolate_channels, with_finite_values
+from numpy_cae.cleanup.judging import Tolerance, find_worse, measure_changes
+from numpy_cae.cleanup.jumps import find_jitter, find_jumps, mend_jumps, smooth_motion
+from numpy_cae.cleanup.kinds import BODY, MARKED, T_POSE
 from numpy_cae.cleanup.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.cleanup.presets import Preset
-from numpy_cae.cleanup.repaired import Repaired, distances, joined, repaired_of
+from numpy_cae.cleanup.result import Repaired, compare_motions, distances, join
 from numpy_cae.cleanup.spikes import find_spikes
-from numpy_cae.cleanup.still import find_still, find_t_pose, is_held
+from numpy_cae.cleanup.view import View
 from numpy_cae.manifold.filling import require_mask
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body
-from numpy_cae.motion.masks import widen_runs
 from numpy_cae.motion.motion import Motion, require_finite
 
-NEAR_SECONDS = 0.25
-"""NEAR_SECONDS: jumps and sliding feet are looked at within this time of the damage (s)."""
-SLIDING_SHARE = 0.1
-"""SLIDING_SHARE: feet slide more if their speed grows by more than this share of it, and by more
-than `SLIDING_CENTIMETRES`."""
-SLIDING_CENTIMETRES = 2.0
-"""SLIDING_CENTIMETRES: and by more than this (cm/s)."""
-JUMPY_SHARE = 0.05
-"""JUMPY_SHARE: a motion jumps all the time if joints jump sharply in more than this share of its
-frames. Then its feet hardly stand, and much is won if some of the jumps near a finding are gone."""
-ROUNDS = 4
-"""ROUNDS: a step is taken at most this often, each time without the findings near which the motion
-became worse."""
+MOST_ROUNDS = 4
+"""A step is taken at most this often, each time without the findings near which the motion became
+worse."""
+Progress = Callable[[float], None]
+"""A function that takes the share of the time of a repair that has passed, roughly."""
+
+
+def interpolate_damage(view: View, findings: list[Finding]) -> Motion:
+    """The motion with the damaged channels of findings interpolated."""
+    return interpolate_channels(view.motion, findings)
 
 
 class Step(NamedTuple):
-    """How damage of some kinds is mended, and found unless `find_segments` has found it (None).
+    """A step of a repair, which mends the kinds of damage whose row names it (`Kind.step`).
 
-    `option` is the setting of a preset with which the step is taken, "" if it is always taken. What
-    leaves more than the share `jumps_left` of the jumps near a finding is undone. A step that
-    `asks` is taken if there is a manifold, which its functions get too. After the step the share
-    `done` of the time has passed, within a factor of two: measured on ten minutes of damaged motion
-    at 60 frames a second, repaired plainly and as motion from video.
+    Parameters
+    ----------
+    name : str
+    find : function (view, sensitivity), optional
+        Finds the damage in the motion as the steps before have left it; None if `find_segments` has
+        found it in the motion as it was.
+    mend : function (view, findings)
+        Returns the motion without the damage; the motion of the view itself where nothing was done.
+    share_of_time : float
+        The share of the time of a repair that has passed after the step, within a factor of two:
+        measured on ten minutes of damaged motion at 60 frames a second, repaired plainly and as
+        motion from video.
+    tolerance : Tolerance, optional
+        What the step may leave near a finding: what leaves more is undone. None for a step that
+        judges its result itself.
+    option : str
+        The setting of a preset with which the step is taken; "" if it is always taken.
+    needs_manifold : bool
+        Whether `find` and `mend` take the manifold as their last argument; without a manifold the
+        step is left out.
     """
 
-    kinds: tuple[str, ...]
+    name: str
     find: Callable[..., list[Finding]] | None
     mend: Callable[..., Motion]
-    done: float
+    share_of_time: float
+    tolerance: Tolerance | None = Tolerance()
     option: str = ""
-    jumps_left: float = 1.0
-    asks: bool = False
+    needs_manifold: bool = False
+
+    def is_chosen(self, preset: Preset) -> bool:
+        """Whether the preset has the option of the step."""
+        return bool(self.option) and bool(getattr(preset, self.option))
 
 
 STEPS = (
-    Step(("repeated", "frozen"), None, interpolate_channels, 0.25),
-    Step(("turned", "displaced", "length", "root elsewhere"), None, mend_displaced, 0.3),
-    Step(("spike",), None, interpolate_channels, 0.33),
-    Step(("limb turned",), find_limb_turns, mend_limb_turns, 0.55, asks=True),
-    Step(("jitter",), jumps.find_jitter, jumps.smooth_motion, 0.6, "smooth"),
-    Step(("jumps",), jumps.find_jumps, jumps.mend_jumps, 0.7, jumps_left=0.65),
-    Step(("foot",), find_feet, mend_feet, 0.89, "feet"),
+    Step("freezes", None, interpolate_damage, 0.25),
+    Step("displacements", None, mend_displacements, 0.3),
+    Step("spikes", None, interpolate_damage, 0.33),
+    Step("limb turns", find_limb_turns, mend_limb_turns, 0.55, needs_manifold=True),
+    Step("jitter", find_jitter, smooth_motion, 0.6, Tolerance(sharp_jumps=0.5), option="smooth"),
+    Step("jumps", find_jumps, mend_jumps, 0.7, Tolerance(jumps=0.65, sharp_jumps=0.0)),
+    Step("feet", find_feet, mend_feet, 0.89, tolerance=None, option="feet"),
 )
-"""STEPS: what is mended, in this order, before holes are filled in."""
+"""What is mended, in this order, before holes are filled in."""
 
 
 def repair_motion(
     motion: Motion,
-    manifold: MotionManifold | None,
+    manifold: MotionManifold | None = None,
     damaged: np.ndarray | None = None,
     preset: Preset | None = None,
     findings: Sequence[Finding] | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Repaired:
     """Find what is damaged in a motion and mend it; the rest of the motion is unchanged.
 
     What the file itself shows is mended first, by `STEPS`, of which one asks the manifold too. The
     manifold then corrects what was interpolated for long. What is less certain is proposed. In a
-    motion that is unlike what the manifold knows (`Repaired.known` False) it corrects only what is
-    marked.
+    motion that is unlike what the manifold learned from (`Repaired.is_familiar` False) it corrects
+    only what is marked.
 
     Parameters
     ----------
@@ -137,46 +162,51 @@ def repair_motion(
     ('left_elbow', (30, 32), 'spike')
     """
     preset = preset or Preset()
-    given = findings if damaged is None else marked(damaged)
-    if given is not None:
-        given = [usable(motion, finding) for finding in given]
+    if damaged is not None:
+        findings = findings_of_mask(damaged)
+    if findings is not None:
+        findings = [check_finding(motion, finding) for finding in findings]
     finite, broken = with_finite_values(motion)
-    t_pose = find_t_pose(finite) if given is None else [f for f in given if f.kind == "T-pose"]
-    first = max((finding.stretch.stop for finding in t_pose), default=0)
-    moving = finite.at(slice(first, None)) if first else finite
-    rest = None if given is None else shifted([f for f in given if f not in t_pose], -first)
-    mended, found = mend(moving, preset, rest, manifold, progress)
-    found += shifted(broken, -first)
+    if findings is None:
+        t_pose = find_t_pose(finite)
+    else:
+        t_pose = [finding for finding in findings if finding.row is T_POSE]
+    start = max((finding.stretch.stop for finding in t_pose), default=0)
+    moving = finite.at(slice(start, None)) if start else finite
+    if findings is None:
+        mended, damage = mend_damage(moving, preset, manifold, progress)
+    else:
+        rest = [finding for finding in findings if finding.row is not T_POSE]
+        rest = shift_findings(rest, -start)
+        mended, damage = mend_findings(moving, rest, preset, manifold, progress)
+    damage += shift_findings(broken, -start)
     residual = 0.0
     if manifold is not None:
-        mended, residual = complete_holes(mended, manifold, found)
-    found = [*t_pose, *shifted(found, first)]
-    repaired = repaired_of(finite, joined(finite.at(slice(first)), mended), found, broken)
-    known = residual <= UNKNOWN_METRES
-    repaired = replace(repaired, original=motion, residual=residual, known=known)
-    return repaired.without_first(first) if preset.cut else repaired
+        mended, residual = complete_holes(mended, manifold, damage)
+    damage = [*t_pose, *shift_findings(damage, start)]
+    repaired = compare_motions(finite, join(finite.at(slice(start)), mended), damage, broken)
+    is_familiar = residual <= UNKNOWN_METRES
+    repaired = replace(repaired, original=motion, residual=residual, is_familiar=is_familiar)
+    return repaired.without_first(start) if preset.cut else repaired
 
 
-def mend(
+def mend_damage(
     motion: Motion,
     preset: Preset | None = None,
-    given: Sequence[Finding] | None = None,
     manifold: MotionManifold | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Motion, list[Finding]]:
-    """The motion without the damage that the file itself shows, and what was found.
+    """Find the damage that the file itself shows, and mend it.
 
     Parameters
     ----------
     motion : Motion
     preset : Preset, optional
         Findings have a confidence of at least 1 - `preset.sensitivity`.
-    given : sequence of Finding, optional
-        Only these are mended, and nothing is looked for but what an option of the preset asks for.
     manifold : MotionManifold, optional
-        For the steps that ask it.
+        For the steps that need it.
     progress : function (share), optional
-        As in `repair`.
+        As in `repair_motion`.
 
     Returns
     -------
@@ -187,119 +217,142 @@ def mend(
     >>> from data_synth import make_take
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> motion.rotations[30:32, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
-    >>> [finding.kind for finding in mend(motion)[1]]
+    >>> [finding.kind for finding in mend_damage(motion)[1]]
     ['spike']
     """
     preset = preset or Preset()
-    listed = find_segments(motion, preset.sensitivity) if given is None else given
-    found: list[Finding] = []
-    for step in STEPS:
-        asked = step.option and getattr(preset, step.option)
-        model = (manifold,) if step.asks else ()
-        skipped = step.option or is_held(found, len(motion))
-        if (step.asks and manifold is None) or (skipped and not asked and given is None):
+    view = View(motion)
+    segments = find_segments(view, preset.sensitivity)
+    damage: list[Finding] = []
+    for step in steps_with(manifold):
+        if step.option and not step.is_chosen(preset):
             continue
-        if step.find and (given is None or asked):
-            damage = step.find(motion, preset.sensitivity, *model)
+        if not step.option and is_held(damage, len(motion)):
+            continue
+        if step.find:
+            findings = step.find(view, preset.sensitivity)
         else:
-            damage = [finding for finding in listed if finding.kind in step.kinds]
-            damage = _apart(damage, found, motion) if given is None else damage
-        motion, damage = _mended(motion, damage, step, model, given is not None)
-        found += damage
+            findings = [finding for finding in segments if finding.row.step == step.name]
+            findings = drop_explained(findings, damage, motion)
+        view, findings = take_judged(step, view, findings)
+        damage += findings
         if progress:
-            progress(step.done)
-    return motion, found + [finding for finding in given or [] if finding.kind == "marked"]
+            progress(step.share_of_time)
+    return view.motion, damage
 
 
-def find_segments(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+def mend_findings(
+    motion: Motion,
+    findings: Sequence[Finding],
+    preset: Preset | None = None,
+    manifold: MotionManifold | None = None,
+    progress: Progress | None = None,
+) -> tuple[Motion, list[Finding]]:
+    """Mend what the user names, whatever that does elsewhere, and look only for what an option of
+    the preset asks for. Parameters and results are those of `mend_damage`."""
+    preset = preset or Preset()
+    view = View(motion)
+    damage: list[Finding] = []
+    for step in steps_with(manifold):
+        if step.find and step.is_chosen(preset):
+            of_step = step.find(view, preset.sensitivity)
+        else:
+            of_step = [finding for finding in findings if finding.row.step == step.name]
+        view, of_step = take(step, view, of_step)
+        damage += of_step
+        if progress:
+            progress(step.share_of_time)
+    return view.motion, damage + [finding for finding in findings if finding.row is MARKED]
+
+
+def steps_with(manifold: MotionManifold | None) -> Iterator[Step]:
+    """The steps that can be taken; those that need the manifold with it."""
+    for step in STEPS:
+        if not step.needs_manifold:
+            yield step
+        elif manifold is not None:
+            mend = partial(step.mend, manifold=manifold)
+            find = partial(step.find, manifold=manifold) if step.find else None
+            yield step._replace(find=find, mend=mend)
+
+
+def find_segments(view: View, sensitivity: float = 0.5) -> list[Finding]:
     """What stands still, is displaced or is a spike, in the motion as it is."""
-    displaced = find_displaced(motion, sensitivity)
-    spikes = _apart(find_spikes(motion, sensitivity), displaced, motion)
-    return find_still(motion, sensitivity) + displaced + spikes
+    displacements = find_displacements(view, sensitivity)
+    spikes = drop_explained(find_spikes(view, sensitivity), displacements, view.motion)
+    return find_freezes(view, sensitivity) + displacements + spikes
 
 
-def _apart(findings: list[Finding], mended: list[Finding], motion: Motion) -> list[Finding]:
+def drop_explained(findings: list[Finding], mended: list[Finding], motion: Motion) -> list[Finding]:
     """The findings that do not touch what was mended of their joint or of the whole body: a
     rotation that is frozen jumps where it ends, and all joints jump where a pose is repeated.
-
-    Of a displacement only the ends count: what is between them is right but for it.
     """
     names = [BODY, *joint_names(motion)]
     explained = np.zeros((len(motion) + 1, len(names)), bool)
     for finding in mended:
-        if finding.status == "repaired":
-            explained[_frames_near(finding, motion), names.index(finding.joint)] = True
-    return [
-        finding
-        for finding in findings
-        if not explained[_frames_near(finding, motion)][:, [0, names.index(finding.joint)]].any()
-    ]
+        if finding.is_repaired:
+            explained[_touched_frames(finding, motion), names.index(finding.joint)] = True
+    unexplained = []
+    for finding in findings:
+        columns = [0, names.index(finding.joint)]
+        if not explained[_touched_frames(finding, motion)][:, columns].any():
+            unexplained.append(finding)
+    return unexplained
 
 
-def _frames_near(finding: Finding, motion: Motion) -> np.ndarray:
-    """The frames of a finding and those beside them, or only those around the ends of a
-    displacement."""
+def _touched_frames(finding: Finding, motion: Motion) -> np.ndarray:
+    """The frames of a finding and those beside them; of an offset only those around its ends: what
+    is between them is right but for the offset."""
     frames = np.arange(finding.frames[0] - 1, finding.frames[1] + 2).clip(0, len(motion))
-    is_displaced = finding.kind in ("turned", "length", "root elsewhere")
-    return frames[[0, 1, -2, -1]] if is_displaced else frames
+    return frames[[0, 1, -2, -1]] if finding.row.is_offset else frames
 
 
-def _mended(
-    motion: Motion, damage: list[Finding], step: Step, model: tuple, wanted: bool
-) -> tuple[Motion, list[Finding]]:
-    """The motion after a step, and its findings. If the user has not `wanted` the step, findings
-    near which it makes the motion worse are left."""
-    sure = [finding for finding in damage if finding.status == "repaired"]
-    done = sure
-    for _ in range(ROUNDS):
-        mended = motion  # the last round's arrays are freed before those of this one are made
-        mended = step.mend(motion, done, *model) if done else motion
-        # Feet are checked where they are mended.
-        worse = [] if wanted or step.find is find_feet else _worse(mended, motion, done, step)
+def take(step: Step, view: View, findings: list[Finding]) -> tuple[View, list[Finding]]:
+    """The motion after a step, and the findings with what became of them."""
+    mended = [finding for finding in findings if finding.is_repaired]
+    after = _mend(step, view, mended)
+    if after is view and step.option:
+        mended = []
+    return after, _with_status(findings, mended)
+
+
+def take_judged(step: Step, view: View, findings: list[Finding]) -> tuple[View, list[Finding]]:
+    """The motion after a step without the findings near which it would become worse, and the
+    findings with what became of them."""
+    if step.tolerance is None:
+        return take(step, view, findings)
+    mended = [finding for finding in findings if finding.is_repaired]
+    for _ in range(MOST_ROUNDS):
+        after = _mend(step, view, mended)
+        if not mended:
+            break
+        worse = find_worse(mended, measure_changes(view, after, mended), step.tolerance)
         if not worse:
             break
-        done = [finding for finding in done if finding not in worse]
+        mended = [finding for finding in mended if finding not in worse]
     else:
-        mended = motion
-    if mended is motion and (step.option or worse):
-        done = []
-    left = [replace(finding, status="left") for finding in sure if finding not in done]
-    return mended, done + left + [finding for finding in damage if finding not in sure]
+        after = view
+        mended = []
+    if after is view and step.option:
+        mended = []
+    return after, _with_status(findings, mended)
 
 
-def _worse(after: Motion, before: Motion, damage: list[Finding], step: Step) -> list[Finding]:
-    """The findings near which a step has made the motion worse: more than the share
-    `step.jumps_left` of the jumps is left, those that are sharp counted twice, or feet slide more.
-    All findings if so many of the jumps near any of them are left.
+def _mend(step: Step, view: View, findings: list[Finding]) -> View:
+    """The view of the motion with findings mended; the same view where there are none."""
+    return view.after(step.mend(view, findings)) if findings else view
 
-    Where joints jump all the time (`JUMPY_SHARE`), each finding is judged by its jumps alone. Feet
-    that slide more count if joints that jump were filtered, or the whole motion was and at least
-    half of its sharp jumps are left: feet that jump hardly stand.
-    """
-    margin = round(NEAR_SECONDS * before.rate)
-    near = np.zeros((len(before), 1), bool)
-    for finding in damage:
-        near[finding.stretch] = True
-    frames = np.flatnonzero(widen_runs(near, margin)[:-1])
-    levels = [jumps.jump_levels(motion, frames) for motion in (before, after)]
-    sharp = [(level == jumps.SHARP).sum(axis=1) for level in levels]
-    left = [(level > 0).sum(axis=1) for level in levels]
-    is_jumpy = np.count_nonzero(sharp[0]) > JUMPY_SHARE * len(before)
-    if left[1].sum() > step.jumps_left * left[0].sum() and not is_jumpy:
-        return damage
-    slides = np.zeros((2, len(before)))
-    # A body that was still, or jumped, did not slide.
-    if step.find is jumps.find_jumps or (step.option and 2 * sharp[1].sum() >= sharp[0].sum()):
-        slides[:, :-1] = slides_of(before, after)
-    worse = []
-    for finding in damage:
-        there = slice(max(finding.stretch.start - margin, 0), finding.stretch.stop + margin)
-        jumped, jumps_after = (level[there].sum() for level in levels)  # a sharp jump counts twice
-        slide = slides[:, there].sum(axis=1) / max(np.count_nonzero(slides[0, there]), 1)
-        slid = slide[1] - slide[0] > max(SLIDING_SHARE * slide[0], SLIDING_CENTIMETRES)
-        if jumps_after > step.jumps_left * jumped or (slid and not is_jumpy):
-            worse.append(finding)
-    return worse
+
+def _with_status(findings: list[Finding], mended: list[Finding]) -> list[Finding]:
+    """The findings that were mended, then those that were left, then those that are proposed."""
+    unmended = []
+    proposed = []
+    for finding in findings:
+        if not finding.is_repaired:
+            proposed.append(finding)
+        elif finding not in mended:
+            unmended.append(replace(finding, status="left"))
+    return mended + unmended + proposed
 
 
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:
@@ -340,5 +393,6 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     """
     require_finite(motion)
     missing = require_mask(missing, len(motion))
-    filled = filled_by(manifold, Body(motion, manifold.lengths), marked(missing))
+    body = Body(motion, manifold.lengths)
+    filled = fill_holes(manifold, body, findings_of_mask(missing))
     return Repaired(filled, missing, distances(motion, filled), original=motion)

@@ -13,36 +13,38 @@ from dataclasses import replace
 
 import numpy as np
 
-from numpy_cae.cleanup.curves import Curve, Segment, body_size, curves_of, least_jump, local_median
+from numpy_cae.cleanup.channels import Candidate, Channel, least_jump, local_median
 from numpy_cae.cleanup.finding import Finding, confidence
+from numpy_cae.cleanup.kinds import SPIKE, kind_of_place
+from numpy_cae.cleanup.view import View
 from numpy_cae.motion.hole_curves import interpolate_rotations, interpolate_values
 from numpy_cae.motion.motion import Motion
 from numpy_cae.motion.quaternions import rotate
 
 LONGEST_SPIKE_SECONDS = 0.1
-"""LONGEST_SPIKE_SECONDS: a spike lasts at most this time (s), or a frame."""
+"""A spike lasts at most this time (s), or a frame."""
 SPIKE_METRES_A_SECOND_SQUARED = 60.0
-"""SPIKE_METRES_A_SECOND_SQUARED: a spike deviates by more than the shortest jump
-(`curves.least_jump`: 8 cm at 30 frames a second, 5 cm from 38 on), and by more than this
-acceleration (m/s²) moves a joint in the time of a frame, which is more below 28 frames a second: a
-hand or foot that strikes reaches it."""
+"""A spike deviates by more than this acceleration (m/s²) moves a joint in the time of a frame: a
+hand or foot that strikes reaches it. It also deviates by more than the shortest jump
+(`channels.least_jump`: 8 cm at 30 frames a second, 5 cm from 38 on), which is less below 28 frames
+a second."""
 NOISE_RATIO = 9.0
-"""NOISE_RATIO: a spike deviates by more than this times the noise, which is the median over a
-second of the deviations of single frames."""
+"""A spike deviates by more than this times the noise, which is the median over a second of the
+deviations of single frames."""
 NEIGHBOUR_RATIO = 1.5
-"""NEIGHBOUR_RATIO: a spike deviates by more than this times the sum of the larger step just before
-or after it and the first step within it."""
+"""A spike deviates by more than this times the sum of the larger step just before or after it and
+the first step within it."""
 RETURN_SHARE = 0.5
-"""RETURN_SHARE: the steps to a spike and from it are both longer than this share of its deviation:
-it goes there and back. Before a joint that jumps and stays, one of them is short."""
+"""The steps to a spike and from it are both longer than this share of its deviation: it goes there
+and back. Before a joint that jumps and stays, one of them is short."""
 SAME_WAY_COSINE = 0.5
-"""SAME_WAY_COSINE: a run is no spike if the cosine of the angle between the steps to it and from it
-is at least this: the joint passes through, as the elbow of a runner at 24 frames a second does."""
-SPIKE_ROUNDS = 4
-"""SPIKE_ROUNDS: spikes are removed and looked for again at most this often."""
+"""A run is no spike if the cosine of the angle between the steps to it and from it is at least
+this: the joint passes through, as the elbow of a runner at 24 frames a second does."""
+MOST_REMOVALS = 4
+"""Spikes of a channel are removed and looked for again at most this often."""
 
 
-def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
+def find_spikes(view: View, sensitivity: float = 0.5) -> list[Finding]:
     """The spikes of each joint of the rig; those of bones have kind "length", of the root's place
     "root elsewhere".
 
@@ -51,22 +53,23 @@ def find_spikes(motion: Motion, sensitivity: float = 0.5) -> list[Finding]:
     >>> from data_synth import make_take
     >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> motion.rotations[30, motion.skeleton.index("lradius")] = [0.6, 0.0, 0.0, 0.8]
-    >>> find_spikes(motion)
+    >>> find_spikes(View(motion))
     [left_elbow: frame 30: spike (...]
     """
-    found = []
-    for curve in curves_of(motion):
-        for _ in range(SPIKE_ROUNDS):
-            spikes = _spikes(motion, curve, sensitivity)
+    findings = []
+    for channel in view.channels:
+        kind = SPIKE if channel.is_rotation else kind_of_place(channel.channel)
+        for _ in range(MOST_REMOVALS):
+            spikes = _spikes(view, channel, sensitivity)
             for spike in spikes:
-                why = f"{curve.amount(spike.size)} from the frames before and after"
+                evidence = f"{channel.amount(spike.size)} from the frames before and after"
                 frames = (spike.first, spike.end - 1)
                 sure = confidence(spike.score)
-                found.append(Finding(curve.name, frames, curve.spike_kind, why, 0.0, sure))
+                findings.append(Finding(channel.name, frames, kind.name, evidence, 0.0, sure))
             if not spikes:
                 break
-            curve = _interpolated(curve, spikes)
-    return list(dict.fromkeys(found))  # a replaced frame may deviate again
+            channel = _interpolate(channel, spikes)
+    return list(dict.fromkeys(findings))  # a replaced frame may deviate again
 
 
 def longest_spike(rate: float) -> int:
@@ -79,73 +82,81 @@ def _least_spike(rate: float) -> float:
     return max(least_jump(rate), SPIKE_METRES_A_SECOND_SQUARED / rate**2)
 
 
-def _spikes(motion: Motion, curve: Curve, sensitivity: float) -> list[Segment]:
-    """Of the runs of a curve that may be spikes, those with the largest deviations, no two of which
-    touch each other, and of these those that move the body."""
-    candidates = _candidates(curve, sensitivity)
+def _spikes(view: View, channel: Channel, sensitivity: float) -> list[Candidate]:
+    """Of the runs of a channel that may be spikes, those with the largest deviations, no two of
+    which touch each other, and of these those that move the body."""
+    candidates = _candidates(channel, sensitivity)
     candidates.sort(key=lambda run: (run.size, run.score, run), reverse=True)
-    taken = np.zeros(len(curve.values), bool)
+    is_spike = np.zeros(len(channel.values), bool)
     spikes = []
     for run in candidates:
-        if not taken[run.first - 1 : run.end + 1].any():
-            taken[run.first : run.end] = True
+        if not is_spike[run.first - 1 : run.end + 1].any():
+            is_spike[run.first : run.end] = True
             spikes.append(run)
-    return [run for run in spikes if _moves(motion, curve, run, sensitivity)]
+    return [run for run in spikes if _moves_the_body(view, channel, run, sensitivity)]
 
 
-def _candidates(curve: Curve, sensitivity: float) -> list[Segment]:
-    """The runs of a curve that deviate from the frames around them more than noise and the motion
+def _candidates(channel: Channel, sensitivity: float) -> list[Candidate]:
+    """The runs of a channel that deviate from the frames around them more than noise and the motion
     do."""
-    steps = curve.steps()  # steps[t] is from frame t to frame t + 1
-    # Most curves have no step that is long enough, and need no median.
-    least = _least_spike(curve.rate)
+    steps = channel.steps()  # steps[t] is from frame t to frame t + 1
+    # Most channels have no step that is long enough, and need no median.
+    least = _least_spike(channel.rate)
     if len(steps) < 4 or steps.max() * 4 * sensitivity <= least:
         return []
-    level = np.maximum(least, NOISE_RATIO * local_median(curve.roughness(), curve.rate))
-    values = curve.continuous()
-    runs = []
-    for length in range(1, longest_spike(curve.rate) + 1):
+    noise = local_median(channel.roughness(), channel.rate)
+    level = np.maximum(least, NOISE_RATIO * noise)
+    values = channel.continuous()
+    candidates = []
+    for length in range(1, longest_spike(channel.rate) + 1):
         first = np.arange(2, len(values) - length - 1)  # with two frames before and after the run
         # The step to the first frame and the one from the last are at least half of the deviation.
         smaller_step = np.minimum(steps[first - 1], steps[first + length - 1])
         first = first[smaller_step > level[first] / (4 * sensitivity)]
         end = first + length
-        step_in, step_out = values[first] - values[first - 1], values[end] - values[end - 1]
+        step_in = values[first] - values[first - 1]
+        step_out = values[end] - values[end - 1]
         cosine = np.sum(step_in * step_out, axis=-1)
-        back = cosine < SAME_WAY_COSINE * steps[first - 1] * steps[end - 1]
-        first, end = first[back], end[back]
+        turns_back = cosine < SAME_WAY_COSINE * steps[first - 1] * steps[end - 1]
+        first = first[turns_back]
+        end = end[turns_back]
         size = _deviation(values, first, length)
-        beside = np.maximum(steps[first - 2], steps[end])
+        next_to_run = np.maximum(steps[first - 2], steps[end])
         within = steps[first] if length > 1 else 0.0
-        score = size / np.maximum(level[first], NEIGHBOUR_RATIO * (beside + within))
+        score = size / np.maximum(level[first], NEIGHBOUR_RATIO * (next_to_run + within))
         returns = np.minimum(steps[first - 1], steps[end - 1]) > RETURN_SHARE * size
         for i in np.flatnonzero(returns & (score > 1 / (2 * sensitivity))):
-            runs.append(Segment(int(first[i]), int(end[i]), float(score[i]), float(size[i])))
-    return runs
+            run = Candidate(int(first[i]), int(end[i]), float(score[i]), float(size[i]))
+            candidates.append(run)
+    return candidates
 
 
-def _moves(motion: Motion, curve: Curve, spike: Segment, sensitivity: float) -> bool:
-    """Whether a point that the joint carries leaves its own cubic with a spike, too."""
-    around = motion.at(slice(spike.first - 2, spike.end + 2))
-    positions = carried(around, curve) / body_size(motion)
+def _moves_the_body(view: View, channel: Channel, spike: Candidate, sensitivity: float) -> bool:
+    """Whether a point that the joint moves leaves its own cubic with a spike, too."""
+    around = view.motion.at(slice(spike.first - 2, spike.end + 2))
+    positions = moved_positions(around, channel) / view.size
     off = _deviation(positions, np.array([2]), len(spike))[0]
-    beside = np.linalg.norm(positions[[1, -1]] - positions[[0, -2]], axis=-1).max(axis=0)
-    least = np.maximum(_least_spike(motion.rate), NEIGHBOUR_RATIO * beside)
+    next_to_spike = np.linalg.norm(positions[[1, -1]] - positions[[0, -2]], axis=-1).max(axis=0)
+    least = np.maximum(_least_spike(view.rate), NEIGHBOUR_RATIO * next_to_spike)
     return not len(off) or bool((off * 2 * sensitivity > least).any())
 
 
-def carried(motion: Motion, curve: Curve) -> np.ndarray:
-    """The places of the joints that a curve moves, or of the end of its bone where there is none,
-    (frames, N, 3)."""
+def moved_positions(motion: Motion, channel: Channel) -> np.ndarray:
+    """The positions of the joints that a channel moves, or of the end of its bone where it moves
+    none, (frames, N, 3) in metres."""
     skeleton = motion.skeleton
-    joints = range(len(skeleton.names))
-    below = [joint for joint in joints if curve.joint in skeleton.path(joint)[curve.is_rotation :]]
-    end = skeleton.end_sites.get(curve.joint)
+    below = []
+    for joint in range(len(skeleton.names)):
+        path = skeleton.path(joint)
+        above = path[1:] if channel.is_rotation else path  # a rotation does not move its own joint
+        if channel.joint in above:
+            below.append(joint)
+    end = skeleton.end_sites.get(channel.joint)
     if below or end is None:
         return motion.positions(below)
-    positions, rotations = motion.forward_kinematics([curve.joint])
-    place = positions[:, curve.joint] + rotate(rotations[:, curve.joint], np.asarray(end))
-    return place[:, None]
+    positions, rotations = motion.forward_kinematics([channel.joint])
+    tip = rotate(rotations[:, channel.joint], np.asarray(end))
+    return (positions[:, channel.joint] + tip)[:, None]
 
 
 def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray:
@@ -156,15 +167,17 @@ def _deviation(values: np.ndarray, first: np.ndarray, length: int) -> np.ndarray
     for at in (1, length):
         off = values[first - 1 + at].copy()
         for time in times:
-            others = times[times != time]
-            off -= np.prod((at - others) / (time - others)) * values[first - 1 + time]
+            rest = times[times != time]
+            off -= np.prod((at - rest) / (time - rest)) * values[first - 1 + time]
         deviations.append(np.linalg.norm(off, axis=-1))
     return np.minimum(*deviations)
 
 
-def _interpolated(curve: Curve, segments: Sequence[Segment]) -> Curve:
-    """A curve interpolated over segments."""
-    missing = np.zeros((len(curve.values), 1), bool)
-    missing[[frame for run in segments for frame in range(run.first, run.end)]] = True
-    over = interpolate_rotations if curve.is_rotation else interpolate_values
-    return replace(curve, values=over(curve.values[:, None], missing, curve.rate)[:, 0])
+def _interpolate(channel: Channel, runs: Sequence[Candidate]) -> Channel:
+    """A channel interpolated over runs of frames."""
+    missing = np.zeros((len(channel.values), 1), bool)
+    for run in runs:
+        missing[run.first : run.end] = True
+    interpolate = interpolate_rotations if channel.is_rotation else interpolate_values
+    values = interpolate(channel.values[:, None], missing, channel.rate)[:, 0]
+    return replace(channel, values=values)

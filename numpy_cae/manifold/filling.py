@@ -2,10 +2,10 @@
 
 `fill` has only features, without a rig, and is `MotionManifold.complete` for joints. `fill_motion`
 and `repair` have a motion in a rig: X_0 is the motion whose unknown rotations are on curves
-(`on_curves`), and `complete_from_curves` returns X_0 + s (X_N - X_0) for each joint and hole, by
-the same iteration (`completion.complete`). `cleanup.holes` chooses the curves and s in the known
-frames of the same motion. There the interpolation I is a curve with the speed of the motion at both
-ends of the hole. Arrays are at thirty frames a second, (F, …).
+(`cleanup.interpolation`), and `complete_from_curves` returns X_0 + s (X_N - X_0) for each joint and
+hole, by the same iteration (`completion.complete`). `cleanup.holes` chooses the curves and s in the
+known frames of the same motion. There the interpolation I is a curve with the speed of the motion
+at both ends of the hole. Arrays are at thirty frames a second, (F, …).
 """
 
 import numpy as np
@@ -78,8 +78,8 @@ def complete_from_curves(
     ----------
     manifold : MotionManifold
     features : (F, 63) array of float
-        X_0, on the mean skeleton: missing joints are where they are in `on_curves`. A joint that is
-        missing in all frames starts where it is in the mean pose.
+        X_0, on the mean skeleton: missing joints are where `interpolate_joints` puts them. A joint
+        that is missing in all frames starts where it is in the mean pose.
     missing : (F, 20) array of bool
     strength : (F, 20) array of float
         s of the module's equation; 1 is taken for joints that are missing in all frames.

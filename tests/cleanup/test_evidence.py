@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 from data_synth import make_take
 from numpy_cae.cleanup import PRESETS, Finding, Preset, repair_motion
 from numpy_cae.cleanup.feet import find_feet, mend_feet
-from numpy_cae.cleanup.finding import is_path, usable
-from numpy_cae.cleanup.interpolated import missing_joints
-from numpy_cae.cleanup.jumps import jump_levels
+from numpy_cae.cleanup.finding import check_finding, is_path
+from numpy_cae.cleanup.freezes import find_t_pose
+from numpy_cae.cleanup.interpolation import missing_joints
 from numpy_cae.cleanup.presets import fitting_preset
-from numpy_cae.cleanup.repair import mend
-from numpy_cae.cleanup.still import find_t_pose
+from numpy_cae.cleanup.repair import mend_damage
+from numpy_cae.cleanup.view import View
 from numpy_cae.manifold import starter
 from numpy_cae.mocap import body_positions, rig_of
 from numpy_cae.motion import JOINTS
@@ -104,7 +104,7 @@ def test_a_leg_turns_two_frames_after_a_step_of_its_own():
     """A step as long as the shortest jump, and the first jump of the turn, are no spike."""
     motion = make_take("walk", 0, seconds=5.0, rate=30.0).motion
     damaged = turned(motion, {"rfemur": 50.0}, "z", slice(50, 95))
-    (finding,) = (found for found in mend(damaged)[1] if found.joint == "right_hip")
+    (finding,) = (found for found in mend_damage(damaged)[1] if found.joint == "right_hip")
     assert (finding.kind, finding.frames) == ("turned", (50, 94))
 
 
@@ -129,7 +129,7 @@ def test_damage_that_begins_over_a_few_frames_is_found(manifold, kind, onset):
 def test_a_clean_motion_is_left_as_it_is(manifold, walk):
     for preset in (Preset(), Preset(feet=True)):
         repaired = repair_motion(walk, manifold, preset=preset)
-        assert repaired.known and not repaired.findings
+        assert repaired.is_familiar and not repaired.findings
         assert repaired.motion is walk
     assert fitting_preset(walk) is None
 
@@ -139,13 +139,15 @@ def test_fast_motion_is_no_damage(walk):
     foot of which nothing says which half of its motion is turned."""
     swing = [0, -19, -24, -13, -6, -7, -21, -44, -63, -58, -22, 32, 25, 4, 0]
     degrees = np.r_[np.zeros(100), swing, np.zeros(len(walk) - 115)]
-    assert not mend(turned(walk, {"lradius": degrees}, "x"))[1]
+    assert not mend_damage(turned(walk, {"lradius": degrees}, "x"))[1]
     kick = np.r_[np.zeros(120), np.linspace(60, 85, 40), np.full(len(walk) - 160, 39.0)]
-    assert "displaced" not in {f.kind for f in mend(turned(walk, {"root": kick}, "y"))[1]}
-    assert not mend(walk.at(np.r_[[0] * 55, 2:300]))[1]  # a pose that is held at the start
+    assert "displaced" not in {f.kind for f in mend_damage(turned(walk, {"root": kick}, "y"))[1]}
+    assert not mend_damage(walk.at(np.r_[[0] * 55, 2:300]))[1]  # a pose that is held at the start
     on_twos = replace(walk.at(np.repeat(np.arange(0, 300, 5), 2)), rate=24.0)
     for motion in (on_twos, turned(walk, {"lfoot": 178.0}, "x", LATER)):
-        assert mend(motion)[0] is motion and "proposed" in {f.status for f in mend(motion)[1]}
+        assert mend_damage(motion)[0] is motion and "proposed" in {
+            f.status for f in mend_damage(motion)[1]
+        }
 
 
 @pytest.mark.parametrize("rate", [24, 30, 60, 120])
@@ -218,7 +220,7 @@ def test_feet_that_sink_or_slide_stand_still_on_the_floor(walk, way):
     if way[1]:
         heights = [np.abs((x - toes[0])[..., 1])[stands].mean() for x in toes[1:]]
         assert heights[1] < 0.02 < 0.06 < heights[0]
-    assert not (jump_levels(repaired.motion) > 0).any()
+    assert not (View(repaired.motion).jumps > 0).any()
 
 
 def test_the_path_of_a_root_that_stands_still_follows_from_the_feet(walk):
@@ -235,7 +237,7 @@ def test_the_path_of_a_root_that_stands_still_follows_from_the_feet(walk):
     seated = turned(still, {"lfemur": -80.0, "rfemur": -80.0}, "x")
     upper = [joint for joint in walk.skeleton.names[1:] if joint not in LEGS_OF_RIG]
     cyclist = held(still, ["root", *upper], slice(0, None))
-    assert not any(map(is_path, find_feet(seated) + find_feet(cyclist)))
+    assert not any(map(is_path, find_feet(View(seated)) + find_feet(View(cyclist))))
 
 
 def test_feet_that_make_no_steps_are_held_at_one_place():
@@ -253,7 +255,7 @@ def test_feet_are_left_alone_where_they_would_slide_more(walk):
     speed = np.linalg.norm(np.gradient(body_positions(walk)[:, FEET[0]], axis=0), axis=-1)
     swing = 60 + int(np.argmax(speed[60:240]))
     wrong = [Finding("left_toe", (swing - 6, swing + 6), "foot")]
-    assert mend_feet(walk, wrong) is walk
+    assert mend_feet(View(walk), wrong) is walk
     repaired = repair_motion(walk, None, findings=wrong)
     assert not repaired.touched.any()
     assert [finding.status for finding in repaired.proposed] == ["left"]
@@ -266,8 +268,8 @@ def test_jumps_within_noise_are_removed_as_by_a_median_and_the_rest_is_kept(walk
     repaired = repair_motion(noisy, None)
     assert {"jumps"} == {finding.kind for finding in repaired.findings} - {"spike"}
     ten_lines = filter_motion(noisy, lambda curve: filter_strongly(curve, walk.rate))
-    assert (jump_levels(noisy) > 0).sum() > 10
-    assert (jump_levels(repaired.motion) > 0).sum() <= (jump_levels(ten_lines) > 0).sum()
+    assert (View(noisy).jumps > 0).sum() > 10
+    assert (View(repaired.motion).jumps > 0).sum() <= (View(ten_lines).jumps > 0).sum()
     moved = repaired.touched.any(axis=1)
     assert not moved[np.r_[:70, 160:300]].any()
     assert not repaired.touched[:, LEG].any()
@@ -307,11 +309,11 @@ def test_an_unknown_motion_gets_what_needs_no_manifold(manifold):
     turns = Rotation.from_rotvec((directions * (1 + 0.1 * slow)).reshape(-1, 3)).as_quat()
     strange = replace(lying, rotations=turns.reshape(lying.rotations.shape))
     repaired = repair_motion(strange, manifold)
-    assert not repaired.known
+    assert not repaired.is_familiar
     assert not repaired.touched.any()
     spiked = turned(strange, {"lhumerus": 60.0}, "z", slice(40, 41))
     repaired = repair_motion(spiked, manifold)
-    assert not repaired.known
+    assert not repaired.is_familiar
     assert np.flatnonzero(repaired.touched.any(axis=1)).tolist() == [40]
     marked = np.zeros((len(lying), 20), bool)
     marked[50:60] = True
@@ -340,12 +342,12 @@ def test_a_motion_that_shakes_and_jumps_is_smoothed_about_as_by_ten_lines(walk):
     repaired = repair_motion(noisy, None, preset=replace(PRESETS["video"], feet=False))
     ten_lines = filter_motion(noisy, lambda curve: filter_strongly(curve, walk.rate))
     assert error(repaired.motion, walk, ALL, ALL) < 1.2 * error(ten_lines, walk, ALL, ALL)
-    assert (jump_levels(repaired.motion) > 0).sum() <= (jump_levels(ten_lines) > 0).sum()
+    assert (View(repaired.motion).jumps > 0).sum() <= (View(ten_lines).jumps > 0).sum()
 
 
 @pytest.mark.parametrize("frames", [1, 2, 4, 7])
 def test_short_motions_pass(walk, frames):
-    assert len(mend(walk.at(slice(frames)), PRESETS["video"])[0]) == frames
+    assert len(mend_damage(walk.at(slice(frames)), PRESETS["video"])[0]) == frames
 
 
 def test_our_name_of_a_joint_comes_before_a_joint_of_the_rig_of_that_name():
@@ -354,8 +356,8 @@ def test_our_name_of_a_joint_comes_before_a_joint_of_the_rig_of_that_name():
     names = [{"upperback": "chest"}.get(name, name) for name in walk.skeleton.names]
     renamed = replace(walk, skeleton=replace(walk.skeleton, names=tuple(names)))
     assert rig_of(renamed).joints[JOINTS.index("spine")] == names.index("chest")
-    assert usable(renamed, Finding("chest", (0, 5))).joint == "chest"
-    assert usable(renamed, Finding("thorax", (0, 5))).joint == "chest"
+    assert check_finding(renamed, Finding("chest", (0, 5))).joint == "chest"
+    assert check_finding(renamed, Finding("thorax", (0, 5))).joint == "chest"
 
 
 def test_every_step_says_which_share_of_the_time_has_passed(untrained_manifold):

@@ -158,7 +158,7 @@ def test_a_long_repair_needs_little_more_memory_than_both_motions(untrained_mani
     mask |= joint_mask(len(motion), ["hips"], slice(11000, 11020))
     tracemalloc.start()
     holes = Holes(Body(motion, untrained_manifold.lengths), mask)
-    repaired = holes.filled(holes.features)
+    repaired = holes.move_to(holes.features)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 1.9 * (repaired.rotations.nbytes + repaired.translations.nbytes)

@@ -7,7 +7,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cleanup.holes import PRIOR_TRIALS, curves_and_strengths, trials_in, weights
-from numpy_cae.cleanup.interpolated import on_curves, unknown_channels
+from numpy_cae.cleanup.interpolation import interpolate_joints, unknown_channels
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.hole_curves import CURVES, interpolate_rotations, interpolate_values
@@ -83,8 +83,10 @@ def test_a_motion_on_a_smooth_curve_is_filled_by_the_cubic(walk_manifold):
     curve_at, strength = curves_and_strengths(
         walk_manifold, Body(motion, walk_manifold.lengths), hole
     )
-    filled = {name: on_curves(motion, hole, lambda *_, c=c: c) for name, c in CURVES.items()}
-    filled["chosen"] = on_curves(motion, hole, curve_at)
+    filled = {
+        name: interpolate_joints(motion, hole, lambda *_, c=c: c) for name, c in CURVES.items()
+    }
+    filled["chosen"] = interpolate_joints(motion, hole, curve_at)
     for name, each in filled.items():
         filled[name] = angle(product(inverse(rotations), each.rotations))[80:90, shoulder].max()
     assert filled["chosen"] < min(0.2 * filled["slerp"], 1.5 * filled["cubic"])

@@ -9,11 +9,19 @@ examples, with the files that `numpy-cae demo` writes:
 
 import argparse
 
-from numpy_cae.cleanup import Repaired, fill_motion
-from numpy_cae.cleanup.interpolated import missing_joints
+import numpy as np
+
+from numpy_cae.cleanup import fill_motion
+from numpy_cae.cleanup.interpolation import missing_joints
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
+from numpy_cae.cli.shared.output import working
+from numpy_cae.cli.shared.summary import summary_of_filling
 from numpy_cae.manifold import keyframe_mask
+from numpy_cae.mocap.load import load_motion
 from numpy_cae.motion import Motion
+
+READING_SHARE = 0.08
+"""The share of the time that reading takes."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,16 +33,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Load, fill and write each motion."""
+    """Load, fill, write and print each motion."""
     if damage_options.is_chosen(args) == bool(args.keyframes):
         raise ValueError("say what is missing: --joint, --limb, --frames, --mask or --keyframes")
     manifold = files.load_model(args)
+    outcome = change_files.Outcome(args)
+    reading = arguments.reading(args)
+    with working(outcome.title) as is_done:
+        for number, source in enumerate(outcome.targets):
+            progress = outcome.progress_of(number, READING_SHARE, is_done)
+            with outcome.of_file(source):
+                motion = load_motion(source, **reading)
+                progress(0.0)
+                filled = fill_motion(motion, manifold, _missing(args, motion))
+                summary = summary_of_filling(source, motion, filled)
+                written = change_files.write_motion(outcome, source, motion, filled)
+                page, row = change_files.write_page(outcome, source, motion, filled, summary)
+                written |= page
+                change_files.print_summary(outcome, source, motion, filled, summary, written)
+                outcome.rows.append(row)
+    return outcome.end()
 
-    def fill(motion: Motion, progress: change_files.Progress) -> Repaired:
-        findings = damage_options.chosen_findings(args, motion)
-        if findings is None:
-            return fill_motion(motion, manifold, keyframe_mask(len(motion), args.keyframes))
-        accepted = [finding for finding in findings if finding.status == "repaired"]
-        return fill_motion(motion, manifold, missing_joints(motion, accepted))
 
-    return change_files.change_files(args, fill)
+def _missing(args: argparse.Namespace, motion: Motion) -> np.ndarray:
+    """What the options say is missing, (frames, 20) of bool."""
+    findings = damage_options.chosen_findings(args, motion)
+    if findings is None:
+        return keyframe_mask(len(motion), args.keyframes)
+    return missing_joints(motion, [finding for finding in findings if finding.is_repaired])

@@ -16,15 +16,26 @@ examples, with the files that `numpy-cae demo` writes:
 """
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Finding, Preset, Repaired, project_motion, repair_motion
-from numpy_cae.cleanup.repaired import count, distances
+from numpy_cae.cleanup.result import distances
+from numpy_cae.cleanup.words import count
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
+from numpy_cae.cli.shared.output import working
+from numpy_cae.cli.shared.summary import asks_for_more, summary_of_repair
+from numpy_cae.manifold import MotionManifold
+from numpy_cae.mocap.load import load_motion
 from numpy_cae.motion import Motion
+
+READING_SHARE = 0.08
+"""The share of the time that reading takes, of a plain repair."""
+SLOW_READING_SHARE = 0.02
+"""The share of the time that reading takes, of a repair with smoothing or feet."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,29 +57,51 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Load, repair and write each motion."""
+    """Load, repair, write and print each motion."""
     manifold = files.load_model(args)
     preset = _preset(args)
     if args.project and (damage_options.is_chosen(args) or preset != Preset()):
-        what = "--joint, --mask, --from, --smooth, --feet and --sensitivity"
-        raise ValueError(f"--project changes the whole motion: use it without {what}")
+        options = "--joint, --mask, --from, --smooth, --feet and --sensitivity"
+        raise ValueError(f"--project changes the whole motion: use it without {options}")
     if args.source:
         print(f"--from {args.source}: {preset}")
+    outcome = change_files.Outcome(args)
+    reading = arguments.reading(args)
+    reading_share = SLOW_READING_SHARE if asks_for_more(args) else READING_SHARE
+    with working(outcome.title) as is_done:
+        for number, (source, target) in enumerate(outcome.targets.items()):
+            progress = outcome.progress_of(number, reading_share, is_done)
+            with outcome.of_file(source):
+                motion = load_motion(source, **reading)
+                progress(0.0)
+                repaired = _repair(args, motion, manifold, preset, progress)
+                summary = summary_of_repair(args, source, target, motion, repaired)
+                written = change_files.write_motion(outcome, source, motion, repaired)
+                page, row = change_files.write_page(outcome, source, motion, repaired, summary)
+                written |= page
+                written |= change_files.write_file_of_findings(outcome, source, repaired)
+                change_files.print_summary(outcome, source, motion, repaired, summary, written)
+                outcome.rows.append(row)
+    return outcome.end()
 
-    def mend(motion: Motion, progress: change_files.Progress) -> Repaired:
-        if args.project:
-            projected = project_motion(motion, manifold)
-            moved = distances(motion, projected)
-            return Repaired(projected, np.ones(moved.shape, bool), moved)
-        findings = damage_options.chosen_findings(args, motion)
-        repaired = repair_motion(
-            motion, manifold, preset=preset, findings=findings, progress=progress
-        )
-        if args.only:
-            return repair_motion(motion, manifold, findings=_only(args.only, repaired))
-        return repaired
 
-    return change_files.change_files(args, mend)
+def _repair(
+    args: argparse.Namespace,
+    motion: Motion,
+    manifold: MotionManifold,
+    preset: Preset,
+    progress: Callable[[float], None],
+) -> Repaired:
+    """The repair of a motion that the options ask for."""
+    if args.project:
+        projected = project_motion(motion, manifold)
+        moved = distances(motion, projected)
+        return Repaired(projected, np.ones(moved.shape, bool), moved)
+    findings = damage_options.chosen_findings(args, motion)
+    repaired = repair_motion(motion, manifold, preset=preset, findings=findings, progress=progress)
+    if args.only:
+        return repair_motion(motion, manifold, findings=_only(args.only, repaired))
+    return repaired
 
 
 def _preset(args: argparse.Namespace) -> Preset:

@@ -81,7 +81,8 @@ def retarget(
         the elbow or the knee. By default all joints are touched.
     start : Motion, optional
         The frames that have touched joints, with the rotations and translations that are changed as
-        little as the positions need, such as those of `on_curves`; by default those of `motion`.
+        little as the positions need, such as those of `interpolate_joints`; by default those of
+        `motion`.
 
     Returns
     -------

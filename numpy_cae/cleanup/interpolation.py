@@ -7,11 +7,11 @@ moves ends at a missing joint. Each unknown rotation is interpolated in the join
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from numpy_cae.cleanup.finding import BODY, Finding, joint_names, marked
+from numpy_cae.cleanup.finding import Finding, findings_of_mask, joint_names
+from numpy_cae.cleanup.kinds import BODY, MARKED, NOT_FINITE, ROTATION
 from numpy_cae.mocap.retargeting.to_rig import bones_through
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, hole_curves
@@ -19,30 +19,26 @@ from numpy_cae.motion.hole_curves import ALL_FRAMES, CurveAt, eased_everywhere
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import IDENTITY
 
-ROTATION_KINDS = ("spike", "displaced", "frozen")
-"""ROTATION_KINDS: findings of these kinds say that the joint's rotation is damaged."""
-TRANSLATION_KINDS = ("length", "root elsewhere")
-"""TRANSLATION_KINDS: findings of these kinds say that the joint's translation is damaged."""
-
 
 def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.ndarray, np.ndarray]:
     """The rotations and the translations that are damaged: two masks (frames, J) of the rig."""
     names = joint_names(motion)
-    turned, moved = (np.zeros((len(motion), len(names)), bool) for _ in range(2))
+    rotations = np.zeros((len(motion), len(names)), bool)
+    translations = np.zeros(rotations.shape, bool)
     missing = np.zeros((len(motion), len(JOINTS)), bool)
     for finding in findings:
         frames = finding.stretch
         if finding.joint == BODY:
             missing[frames] = True
-        elif finding.kind == "marked" and finding.joint in JOINTS:
+        elif finding.row is MARKED and finding.joint in JOINTS:
             missing |= joint_mask(len(motion), [finding.joint], frames)
         else:
             joint = names.index(finding.joint)
-            turned[frames, joint] |= finding.kind not in TRANSLATION_KINDS
-            moved[frames, joint] |= finding.kind not in ROTATION_KINDS
-    unknown = unknown_channels(motion, missing)
-    moved &= np.ptp(motion.translations, axis=0).max(axis=-1) > 0
-    return turned | unknown[0], moved | unknown[1]
+            rotations[frames, joint] |= not finding.row.is_of_translation
+            translations[frames, joint] |= finding.row.channel != ROTATION
+    unknown_rotations, unknown_translations = unknown_channels(motion, missing)
+    translations &= np.ptp(motion.translations, axis=0).max(axis=-1) > 0
+    return rotations | unknown_rotations, translations | unknown_translations
 
 
 def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
@@ -58,9 +54,13 @@ def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
         frames = finding.stretch
         for column, joint in enumerate(rig):
             path = [names[above] for above in motion.skeleton.path(joint)]
-            itself = finding.kind in ("marked", *TRANSLATION_KINDS) or finding.joint == BODY
-            above = path[0:1] if finding.kind == "marked" else path[not itself :]
-            if finding.joint in (BODY, *above):
+            if finding.row is MARKED:
+                displacing = path[:1]
+            elif finding.row.is_of_translation:
+                displacing = path
+            else:
+                displacing = path[1:]
+            if finding.joint in (BODY, *displacing):
                 missing[frames, column] = True
     return missing
 
@@ -72,22 +72,25 @@ def interpolate_channels(
     frames: np.ndarray | slice = ALL_FRAMES,
 ) -> Motion:
     """The motion, or some of its frames, with the damaged channels of findings interpolated."""
-    return channels_on_curves(motion, *damaged_channels(motion, findings), curve_at, frames)
+    return interpolate_masked(motion, *damaged_channels(motion, findings), curve_at, frames)
 
 
 def with_finite_values(motion: Motion) -> tuple[Motion, list[Finding]]:
-    """The motion with rotations and translations that are not finite interpolated, and these."""
+    """The motion with rotations and translations that are not finite interpolated, and findings of
+    these."""
     wrong = ~(np.isfinite(motion.rotations).all(-1) & np.isfinite(motion.translations).all(-1))
     if not wrong.any():
         return motion, []
     rotations = np.where(wrong[..., None], IDENTITY, motion.rotations)
     translations = np.where(wrong[..., None], motion.skeleton.offsets, motion.translations)
-    known = replace(motion, rotations=rotations, translations=translations)
-    found = marked(wrong, joint_names(motion), "not finite")
-    return channels_on_curves(known, wrong, wrong), found
+    finite = replace(motion, rotations=rotations, translations=translations)
+    findings = findings_of_mask(wrong, joint_names(motion), NOT_FINITE)
+    return interpolate_masked(finite, wrong, wrong), findings
 
 
-def on_curves(motion: Motion, missing: np.ndarray, curve_at: CurveAt = eased_everywhere) -> Motion:
+def interpolate_joints(
+    motion: Motion, missing: np.ndarray, curve_at: CurveAt = eased_everywhere
+) -> Motion:
     """The motion with unknown rotations and translations interpolated over time.
 
     Values of the file are ignored where they are unknown. A rotation that is unknown in all frames
@@ -122,30 +125,37 @@ def on_curves(motion: Motion, missing: np.ndarray, curve_at: CurveAt = eased_eve
     >>> walk = make_take("walk", 0, seconds=2.0, rate=30.0).motion
     >>> hole = joint_mask(60, ["left_wrist"], slice(20, 30))
     >>> elbow = walk.skeleton.index("lradius")
-    >>> there, true = on_curves(walk, hole).rotations[:, elbow], walk.rotations[:, elbow]
+    >>> there, true = interpolate_joints(walk, hole).rotations[:, elbow], walk.rotations[:, elbow]
     >>> off = np.degrees(angle(product(inverse(true), there)))
     >>> off[18:32:3].round(1)
     array([0. , 0.2, 0.6, 0.3, 0. ])
     """
-    return channels_on_curves(motion, *unknown_channels(motion, missing), curve_at)
+    return interpolate_masked(motion, *unknown_channels(motion, missing), curve_at)
 
 
-def channels_on_curves(
+def interpolate_masked(
     motion: Motion,
-    turned: np.ndarray,
-    moved: np.ndarray,
+    rotations: np.ndarray,
+    translations: np.ndarray,
     curve_at: CurveAt = eased_everywhere,
     frames: np.ndarray | slice = ALL_FRAMES,
 ) -> Motion:
-    """The motion, or some of its frames, with rotations and translations of the joints of the rig
-    interpolated where two masks (frames, J) say so; `curve_at` is as in `on_curves`."""
-    how = motion.rate, of_channels(motion, curve_at), frames
-    changed: dict[str, Any] = {}  # an hour of translations takes 0.3 GB: no copy without need
-    if turned.any():
-        changed["rotations"] = hole_curves.interpolate_rotations(motion.rotations, turned, *how)
-    if moved.any():
-        changed["translations"] = hole_curves.interpolate_values(motion.translations, moved, *how)
-    return replace(motion.at(frames), **changed)
+    """The motion, or some of its frames, with the channels of joints of the rig interpolated where
+    the masks of `rotations` and `translations` (frames, J) say so; `curve_at` is as in
+    `interpolate_joints`."""
+    part = motion.at(frames)
+    curve_of_joint = curves_of_rig(motion, curve_at)
+    if rotations.any():
+        interpolated = hole_curves.interpolate_rotations(
+            motion.rotations, rotations, motion.rate, curve_of_joint, frames
+        )
+        part = replace(part, rotations=interpolated)
+    if translations.any():
+        interpolated = hole_curves.interpolate_values(
+            motion.translations, translations, motion.rate, curve_of_joint, frames
+        )
+        part = replace(part, translations=interpolated)
+    return part
 
 
 def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -156,24 +166,28 @@ def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, n
     """
     joints = rig_of(motion).joints
     everything = missing.all(axis=1, keepdims=True)
-    turned, moved = (np.repeat(everything, len(motion.skeleton.names), axis=1) for _ in range(2))
+    rotations = np.repeat(everything, len(motion.skeleton.names), axis=1)
+    translations = rotations.copy()
     bones = bones_through(motion, joints)
     for joint, passing in bones.items():
         ends = missing[:, [joints.index(end) for *_, end in passing]]
-        turned[:, joint] |= np.asarray(ends.all(axis=1))
+        rotations[:, joint] |= np.asarray(ends.all(axis=1))
         for _, *below, end in passing:
-            moved[:, [*below, end]] |= missing[:, [joints.index(end)]]
-    moved[:, motion.skeleton.path(joints[0])] |= missing[:, [0]]
-    moved &= np.ptp(motion.translations, axis=0).max(axis=-1) > 0
-    return turned, moved
+            translations[:, [*below, end]] |= missing[:, [joints.index(end)]]
+    translations[:, motion.skeleton.path(joints[0])] |= missing[:, [0]]
+    translations &= np.ptp(motion.translations, axis=0).max(axis=-1) > 0
+    return rotations, translations
 
 
-def of_channels(motion: Motion, curve_at: CurveAt) -> CurveAt:
+def curves_of_rig(motion: Motion, curve_at: CurveAt) -> CurveAt:
     """The curves of the twenty joints as those of the joints of the rig: each has that of the first
     of the twenty that it moves, or of the hips where it moves none."""
     joints = rig_of(motion).joints
     ends = [0] * len(motion.skeleton.names)
     for number in reversed(range(len(joints))):
-        for joint in motion.skeleton.path(joints[number])[number > 0 :]:
+        path = motion.skeleton.path(joints[number])
+        if number:  # a rotation does not move its own joint; that of the hips counts as theirs
+            path = path[1:]
+        for joint in path:
             ends[joint] = number
     return lambda channel, first: curve_at(ends[channel], first)

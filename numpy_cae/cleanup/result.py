@@ -1,0 +1,188 @@
+"""What a repair changed: the motion, the joints that moved and how far, the findings."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from numpy_cae.cleanup.channels import LEAST_LEVER_METRES
+from numpy_cae.cleanup.finding import Finding, is_path
+from numpy_cae.cleanup.interpolation import missing_joints
+from numpy_cae.cleanup.kinds import JITTER, MARKED
+from numpy_cae.cleanup.words import (
+    NOTHING_FOUND,
+    count,
+    first_lines,
+    joints_by_frames,
+    joints_in_words,
+)
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.motion import JOINTS, PARENTS, Motion
+from numpy_cae.motion.motion import blocks
+from numpy_cae.motion.quaternions import rotate
+
+MOVED_METRES = 1e-6
+"""A joint is touched if it moves by more than this (m)."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Repaired:
+    """A motion after a repair, and what was changed: its repr lists joints, frames and centimetres.
+
+    Parameters
+    ----------
+    motion : Motion
+        With the skeleton, rate and unit of the original motion, and its length unless a pose of
+        reference was cut off.
+    touched : (frames, 20) array of bool
+        The joints that were changed, in the frames of `motion`.
+    moved : (frames, 20) array of float64
+        How far each joint, or a joint that follows it such as a finger, moved, metres.
+    residual : float
+        Median distance of a joint from its projection, metres; 0 where it was not measured.
+    is_familiar : bool
+        Whether the motion is like what the manifold was learned from.
+    findings : tuple of Finding
+        What was found to be damaged, and mended, in the frames of the file.
+    proposed : tuple of Finding
+        What is less certain, and was not changed.
+    original : Motion, optional
+        The motion before the repair.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
+    >>> touched = np.zeros((30, 20), bool)
+    >>> touched[[3, 4, 5, 9], 0] = True
+    >>> Repaired(motion, touched, 0.02 * touched)
+    hips: frames 3 to 5, 9: moved 2.0 cm, at most 2.0
+    """
+
+    motion: Motion
+    touched: np.ndarray
+    moved: np.ndarray
+    residual: float = 0.0
+    is_familiar: bool = True
+    findings: tuple[Finding, ...] = ()
+    proposed: tuple[Finding, ...] = ()
+    original: Motion | None = None
+
+    def __repr__(self) -> str:
+        """A line for joints that were changed in the same frames: names, frames, centimetres; then
+        what was found, by kind, and what is proposed."""
+        lines = []
+        for frames, joints in joints_by_frames(self.touched).items():
+            moved = 100 * self.moved[:, joints][self.touched[:, joints]]
+            change = f"moved {moved.mean():.1f} cm, at most {moved.max():.1f}"
+            lines.append(f"{joints_in_words(joints)}: {frames}: {change}")
+        if any(finding.row is not MARKED for finding in self.findings):
+            lines.append(f"{count(len(self.findings), 'finding')}:")
+            numbered = enumerate(by_size(self.findings), start=1)
+            lines += first_lines([f"  {number}. {finding}" for number, finding in numbered])
+        if self.proposed:
+            lines.append(f"{count(len(self.proposed), 'proposal')}, not changed:")
+            lines += first_lines([f"  {finding}" for finding in by_size(self.proposed)])
+        if not self.is_familiar:
+            lines.append(
+                f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
+                "from their projection, so only smoothing and filters were used, no prediction"
+            )
+        return "\n".join(lines) or NOTHING_FOUND
+
+    def without_first(self, frames: int) -> "Repaired":
+        """The repair without its first frames; findings are in the frames of the file."""
+        rest = slice(frames, None)
+        motion = self.motion.at(rest)
+        return replace(self, motion=motion, touched=self.touched[rest], moved=self.moved[rest])
+
+    def listed(self) -> list[Finding]:
+        """The findings, the largest first: numbers 1, 2, … wherever they are listed; then the
+        proposals."""
+        return by_size(self.findings) + by_size(self.proposed)
+
+
+def by_size(findings: Iterable[Finding]) -> list[Finding]:
+    """The findings, those of the largest centimetres first, then the most certain."""
+    return sorted(findings, key=lambda finding: (-finding.cm, -finding.confidence))
+
+
+def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndarray:
+    """How far each of the twenty joints moved, (frames, 20) in metres: the joint, or what follows
+    it (its fingers, the second bone of the neck, the top of the head) and moved furthest; in the
+    world, or from the hips."""
+    skeleton = after.skeleton
+    joints = rig_of(after).joints
+    followed = []  # for each joint of the rig the one of the twenty that it follows
+    for joint in range(len(skeleton.names)):
+        above = [joints.index(x) for x in skeleton.path(joint) if x in joints]
+        followed.append(above[0] if above else 0)
+    changed = np.any(before.rotations != after.rotations, axis=(1, 2))
+    changed |= np.any(before.translations != after.translations, axis=(1, 2))
+    moved = np.zeros((len(after), len(joints)))
+    for frames in blocks(np.flatnonzero(changed)):
+        distance = _distance(before.at(frames), after.at(frames), joints[0] if from_hips else None)
+        for joint, column in enumerate(followed):
+            moved[frames, column] = np.maximum(moved[frames, column], distance[:, joint])
+    return moved
+
+
+def _distance(before: Motion, after: Motion, origin: int | None) -> np.ndarray:
+    """How far each joint of the rig moved, or the point at the end of its bone where no other joint
+    is, (frames, J) in metres; relative to the joint `origin` if it is given."""
+    places, turns = before.forward_kinematics()
+    new_places, new_turns = after.forward_kinematics()
+    change = new_places - places
+    if origin is not None:
+        change -= change[:, [origin]]
+    distance = np.linalg.norm(change, axis=-1)
+    skeleton = after.skeleton
+    for joint in set(range(len(skeleton.names))) - set(skeleton.parents):
+        tip = np.asarray(skeleton.end_sites.get(joint, [0.0, LEAST_LEVER_METRES, 0.0]))
+        turn = rotate(new_turns[:, joint], tip) - rotate(turns[:, joint], tip)
+        of_tip = np.linalg.norm(change[:, joint] + turn, axis=-1)
+        distance[:, joint] = np.maximum(distance[:, joint], of_tip)
+    return distance
+
+
+def compare_motions(
+    before: Motion, after: Motion, findings: Sequence[Finding], broken: Sequence[Finding]
+) -> Repaired:
+    """What a repair changed, with what was found; `broken` values are interpolated in both."""
+    moved = distances(before, after)
+    posed = moved
+    if any(is_path(finding) for finding in findings):
+        posed = distances(before, after, from_hips=True)
+    touched = (moved > MOVED_METRES) | missing_joints(before, broken)
+    mended = []
+    proposed = []
+    for finding in findings:
+        if not finding.is_repaired:
+            proposed.append(finding)
+        elif finding.row is JITTER:
+            # Jitter is in all frames: what the rest of the findings moves would be its centimetres.
+            mended.append(finding)
+        else:
+            mended.append(_with_centimetres(finding, moved, posed))
+    return Repaired(after, touched, moved, findings=tuple(mended), proposed=tuple(proposed))
+
+
+def _with_centimetres(finding: Finding, moved: np.ndarray, posed: np.ndarray) -> Finding:
+    """The finding with the largest distance (m) of its joint or one below it, in centimetres: in
+    `moved` for a path of the root, else in `posed`."""
+    below = {finding.joint} if finding.joint in JOINTS else set(JOINTS)
+    for joint, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
+        if JOINTS[parent] in below:
+            below.add(joint)
+    distance = (moved if is_path(finding) else posed)[finding.stretch]
+    cm = 100 * distance[:, [JOINTS.index(joint) for joint in below]].max(initial=0.0)
+    return replace(finding, cm=float(cm))
+
+
+def join(first: Motion, rest: Motion) -> Motion:
+    """The frames of a motion and then those of another one of the same rig."""
+    if not len(first):
+        return rest
+    rotations = np.concatenate([first.rotations, rest.rotations])
+    translations = np.concatenate([first.translations, rest.translations])
+    return replace(rest, rotations=rotations, translations=translations)
