@@ -45,7 +45,10 @@ def list_chains() -> tuple[tuple[int, ...], ...]:
         for base, *joints in LIMBS:
             limb = tuple(f"{side}_{joint}" for joint in joints)
             chains += 2 * [(base, *limb), limb]
-    return tuple(tuple(joint_slice(joint).start for joint in chain) for chain in chains)
+    in_features = []
+    for chain in chains:
+        in_features.append(tuple(joint_slice(joint).start for joint in chain))
+    return tuple(in_features)
 
 
 CHAINS = list_chains()
