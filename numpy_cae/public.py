@@ -33,8 +33,8 @@ from numpy_cae.inputs import (
 )
 from numpy_cae.manifold import MotionManifold, learn_manifold
 from numpy_cae.mocap import find_motion_files, load_motion
-from numpy_cae.mocap.bodies import Problem, read_body, read_each, split_takes
-from numpy_cae.mocap.load import FileMotion
+from numpy_cae.mocap.bodies import Problem, read_body, read_files, split_takes
+from numpy_cae.mocap.file_motion import FileMotion
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import Mappings
 from numpy_cae.motion import JOINTS, LENGTH, Motion
@@ -394,7 +394,7 @@ def _read_takes(
     for folder in to_paths(folders, "folders"):
         paths += find_motion_files(folder)
     takes = []
-    for path, body in zip(paths, read_each(paths, partial(read_body, **reading)), strict=True):
+    for path, body in zip(paths, read_files(paths, partial(read_body, **reading)), strict=True):
         if isinstance(body, Problem):
             raise body
         takes.append((path, body[0]))

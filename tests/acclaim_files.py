@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from numpy_cae.mocap.coordinates import CMU_UNIT
+from numpy_cae.mocap.units import CMU_UNIT
 from numpy_cae.motion import Motion, Skeleton
 
 FILES = Path(__file__).with_name("files")

@@ -51,18 +51,18 @@ class FastConvAutoencoder(ConvAutoencoder):
         used = self.layers[:layers]
         conv_autoencoder.require_windows("x", x, used)
         hidden = x.shape[1] >> len(used), used[-1].b.size
-        return self._computed(Worker.encode, used, x, x.shape[1], hidden)
+        return self._compute_in_parts(Worker.encode, used, x, x.shape[1], hidden)
 
     def decode(self, y: np.ndarray) -> np.ndarray:
         """X̂ = Φ†(Y), unpooling evenly, as `ConvAutoencoder.decode`."""
         require_shape("y", y, ("batch", "frames", self.layers[-1].b.size))
         shape = y.shape[1] * self.stride, self.layers[0].w.shape[1]
-        return self._computed(Worker.decode, self.layers, y, shape[0], shape)
+        return self._compute_in_parts(Worker.decode, self.layers, y, shape[0], shape)
 
     def project(self, x: np.ndarray) -> np.ndarray:
         """Φ†(Φ(X)), as `ConvAutoencoder.project`; the hidden units stay in the buffers."""
         conv_autoencoder.require_windows("x", x, self.layers)
-        return self._computed(Worker.project, self.layers, x, x.shape[1], x.shape[1:])
+        return self._compute_in_parts(Worker.project, self.layers, x, x.shape[1], x.shape[1:])
 
     def loss_and_gradients(
         self,
@@ -88,17 +88,9 @@ class FastConvAutoencoder(ConvAutoencoder):
             rates = [2 if mask is None else 1 for mask in masks]
             workspace = self._workspace(used, len(x), x.shape[1], dtype, rates)
             workspace.run(used, pull_back, dws)
-            workers = workspace.workers
-            loss = sum(worker.loss for worker in workers)
-            gradients = []
-            for k, dw in enumerate(dws):
-                db = workers[0].layers[k].db.copy()
-                for worker in workers[1:]:
-                    db += worker.layers[k].db
-                gradients.append((dw, db))
-        return loss, gradients
+            return workspace.loss(), list(zip(dws, workspace.dbs(), strict=True))
 
-    def _computed(
+    def _compute_in_parts(
         self,
         compute: Callable[[Worker, np.ndarray], np.ndarray],
         layers: Layers,

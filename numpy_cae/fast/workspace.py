@@ -291,6 +291,18 @@ class Workspace:
         for spectral in changed:
             spectral.remember_filters()
 
+    def loss(self) -> float:
+        """The loss of all windows, after `Worker.pull_back`."""
+        return sum(worker.loss for worker in self.workers)
+
+    def dbs(self) -> list[np.ndarray]:
+        """The gradient of each layer's bias for all windows, after `Worker.pull_back`."""
+        totals = [np.zeros_like(layer.db) for layer in self.workers[0].layers]
+        for worker in self.workers:
+            for total, layer in zip(totals, worker.layers, strict=True):
+                total += layer.db
+        return totals
+
     def _run_thread(
         self,
         changed: Sequence[SpectralConvolution],

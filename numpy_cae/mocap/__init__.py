@@ -5,10 +5,11 @@ converts between a rig and the twenty joints. `load_motion` puts a file into met
 """
 
 from numpy_cae.mocap.bodies import load_windows
+from numpy_cae.mocap.file_motion import save
 from numpy_cae.mocap.formats.read_bvh import read_bvh
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.formats.write_bvh import require_bvh, write_bvh
-from numpy_cae.mocap.load import find_motion_files, load_angles, load_body, load_motion, save
+from numpy_cae.mocap.load import find_motion_files, load_angles, load_body, load_motion
 from numpy_cae.mocap.retargeting.body import Body, body_of, body_positions, hold_first_pose
 from numpy_cae.mocap.retargeting.to_angles import angles_of
 from numpy_cae.mocap.retargeting.to_rig import retarget

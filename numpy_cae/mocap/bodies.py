@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar, Unpack
 
 import numpy as np
 
 from numpy_cae.mocap.formats.text_file import MotionFileError
-from numpy_cae.mocap.load import find_motion_files, is_test, load_body
+from numpy_cae.mocap.load import LoadOptions, find_motion_files, load_body, matches_any
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion import LENGTH, OVERLAP, RATE, Note, cut_windows
 from numpy_cae.motion.features import features_on_mean_skeleton
@@ -28,10 +28,10 @@ Problem = MotionFileError | UnknownRigError
 Take = TypeVar("Take")
 
 
-def read_each(
+def read_files(
     paths: Sequence[Path], read: Callable[[Path], Take], processes: int | None = None
 ) -> Iterator[Take | Problem]:
-    """What `read` makes of each file, or why it refuses the file, in the order of `paths`.
+    """The result of `read` for each file, or why it refuses the file, in the order of `paths`.
 
     `processes` are by default one, or the number of processors for `WORTHWHILE_BYTES` bytes or
     more; `read` and what it returns are then pickled.
@@ -67,10 +67,11 @@ def _attempt(read: Callable[[Path], Take], path: Path) -> Take | Problem:
         return problem
 
 
-def read_body(path: Path, **options: Any) -> tuple[np.ndarray, tuple[Note, ...]]:
+def read_body(path: Path, **options: Unpack[LoadOptions]) -> tuple[np.ndarray, tuple[Note, ...]]:
     """World positions (F, 20, 3) in metres at `RATE`, and the notes of the motion, as in
     `load_body`; frames that are not needed for that rate are not parsed."""
-    positions, motion = load_body(path, max_rate=RATE, **options)
+    options["max_rate"] = RATE
+    positions, motion = load_body(path, **options)
     _require_steady(path, positions)
     return positions, motion.notes
 
@@ -84,10 +85,10 @@ def split_takes(
     """
     takes = list(takes)
     for pattern in patterns:
-        if not any(is_test(path, [pattern]) for path, _ in takes):
+        if not any(matches_any(path, [pattern]) for path, _ in takes):
             raise ValueError(f"no file that was read matches {pattern!r}, none is left to test on")
-    training = [take for path, take in takes if not is_test(path, patterns)]
-    testing = [take for path, take in takes if is_test(path, patterns)]
+    training = [take for path, take in takes if not matches_any(path, patterns)]
+    testing = [take for path, take in takes if matches_any(path, patterns)]
     if not training:
         raise ValueError(f"every file matches {' '.join(patterns)}, none is left to train on")
     return training, testing
@@ -98,11 +99,16 @@ def _require_steady(path: Path, positions: np.ndarray) -> None:
     them would learn nothing else."""
     hips = positions[:, 0]
     steps = np.linalg.norm(np.diff(hips, axis=0), axis=-1)
-    apart = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
-    for far, what in ((steps, "its hips move"), (apart, "a joint is away from the hips by")):
-        if far.size and not far.max() <= MAX_STEP_METRES:
-            problem = f"{what} {far.max():.3g} m in frame {far.argmax()} (at 30 a second)"
-            raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP_METRES:g} m")
+    from_hips = np.linalg.norm(positions - hips[:, None], axis=-1).max(axis=1)
+    _require_near(path, steps, "its hips move")
+    _require_near(path, from_hips, "a joint is away from the hips by")
+
+
+def _require_near(path: Path, metres: np.ndarray, problem: str) -> None:
+    """Raise MotionFileError if a distance of `metres` (F,) is no person's."""
+    if metres.size and not metres.max() <= MAX_STEP_METRES:
+        problem = f"{problem} {metres.max():.3g} m in frame {metres.argmax()} (at 30 a second)"
+        raise MotionFileError(path, None, f"{problem}, expected at most {MAX_STEP_METRES:g} m")
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,20 +161,26 @@ def load_windows(
     >>> load_windows(".", "walk*", length=32, overlap=16).features.shape
     (3, 32, 63)
     """
-    paths = [path for path in find_motion_files(folder) if is_test(path, [pattern])]
+    paths = [path for path in find_motion_files(folder) if matches_any(path, [pattern])]
     if not paths:
         raise MotionFileError(folder, None, f"no motion file matches {pattern!r}")
     # Steps of a prime number visit the whole list, so that a part of it samples every kind.
-    order = [paths[i * 61 % len(paths)] for i in range(len(paths))] if len(paths) % 61 else paths
+    if len(paths) % 61:
+        paths = [paths[i * 61 % len(paths)] for i in range(len(paths))]
     takes: list[np.ndarray] = []
     seconds = 0.0
-    for path in order:
+    for path in paths:
         if seconds >= 60 * minutes:
             break
         takes.append(load_body(path)[0])
         seconds += len(takes[-1]) / RATE
     features, _ = features_on_mean_skeleton(takes, RATE)
-    cut = (cut_windows(take, length, overlap) for take in features)
-    windows, real = zip(*cut, strict=True)
-    of_takes = np.repeat(np.arange(len(real)), [len(each) for each in real])
-    return FileWindows(np.concatenate(windows), np.concatenate(real), of_takes)
+    windows = []
+    real = []
+    numbers = []
+    for number, take in enumerate(features):
+        windows_of_take, real_of_take = cut_windows(take, length, overlap)
+        windows.append(windows_of_take)
+        real.append(real_of_take)
+        numbers.append(np.full(len(real_of_take), number))
+    return FileWindows(np.concatenate(windows), np.concatenate(real), np.concatenate(numbers))

@@ -87,8 +87,8 @@ def _is_t_pose(pose: Motion) -> bool:
         return True
     at = dict(zip(JOINTS, body_positions(pose)[0], strict=True))
     line = at["left_shoulder"] - at["right_shoulder"]
-    left = at["left_wrist"] - at["left_shoulder"]
-    right = at["right_shoulder"] - at["right_wrist"]
-    arms = np.array([left, right])
+    left_arm = at["left_wrist"] - at["left_shoulder"]
+    right_arm = at["right_shoulder"] - at["right_wrist"]
+    arms = np.array([left_arm, right_arm])
     lengths = np.linalg.norm(line) * np.linalg.norm(arms, axis=1)
     return bool(np.all(arms @ line > np.cos(np.radians(ARM_DEGREES)) * lengths))

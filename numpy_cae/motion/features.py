@@ -303,16 +303,16 @@ def problem_of_lengths(lengths: np.ndarray) -> str:
     return ""
 
 
-def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """The same motion on bones of other lengths; `own` and `target` exchanged give the inverse.
+def change_lengths(positions: np.ndarray, lengths: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """The same motion on bones of other lengths; `lengths` and `target` exchanged give the inverse.
 
     Parameters
     ----------
     positions : (F, 20, 3) array of float
         World positions in metres.
-    own, target : (20,) arrays of float
+    lengths, target : (20,) arrays of float
         Bone lengths in metres, as `bone_lengths` returns them: of these positions, and of the
-        result. A bone of length 0 in `own` has no direction:
+        result. A bone of length 0 in `lengths` has no direction:
         in the result it gets that of the bone above it.
 
     Returns
@@ -331,10 +331,10 @@ def change_lengths(positions: np.ndarray, own: np.ndarray, target: np.ndarray) -
     True
     """
     changed = np.empty(positions.shape)
-    changed[:, 0] = positions[:, 0] * (target[_LEGS].sum() / own[_LEGS].sum())
+    changed[:, 0] = positions[:, 0] * (target[_LEGS].sum() / lengths[_LEGS].sum())
     for joint, parent in enumerate(PARENTS[1:], start=1):
-        if own[joint] > _NO_LENGTH:
-            bone = (positions[:, joint] - positions[:, parent]) * (target[joint] / own[joint])
+        if lengths[joint] > _NO_LENGTH:
+            bone = (positions[:, joint] - positions[:, parent]) * (target[joint] / lengths[joint])
         else:
             bone_above = changed[:, parent] - changed[:, PARENTS[parent]]
             ratio = target[joint] / target[parent] if target[parent] > _NO_LENGTH else 0.0

@@ -225,7 +225,7 @@ class Motion:
 
     def save(self, path: str | Path) -> None:
         """Write the motion to a file: a motion that was loaded from one, or made of such a motion,
-        knows how (`numpy_cae.mocap.load.FileMotion`).
+        knows how (`numpy_cae.mocap.file_motion.FileMotion`).
 
         Raises ValueError for a motion that was made in memory.
         """

@@ -8,7 +8,7 @@ from typing import Any
 
 from data_synth import plan_takes
 from numpy_cae.mocap import angles_of, find_motion_files
-from numpy_cae.mocap.load import is_test, load_angles
+from numpy_cae.mocap.load import load_angles, matches_any
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence
 from studies.shared.material import read_takes
 from studies.shared.messages import note
@@ -62,5 +62,5 @@ def read_action(folder: Path, patterns: Sequence[str], **reading: Any) -> Action
     name = folder.resolve().name
     halves: tuple[list[AngleSequence], list[AngleSequence]] = ([], [])
     for path, sequence in read_takes(find_motion_files(folder), partial(load_angles, **reading)):
-        halves[is_test(path, patterns)].append(sequence)
+        halves[matches_any(path, patterns)].append(sequence)
     return Action(name, *halves, name in PERIODIC, folder.name)

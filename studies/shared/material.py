@@ -17,8 +17,8 @@ import numpy as np
 
 from numpy_cae.evaluation.tables import Clips, clips_of
 from numpy_cae.mocap import find_motion_files
-from numpy_cae.mocap.bodies import Problem, read_body, read_each
-from numpy_cae.mocap.load import is_test, load_motion
+from numpy_cae.mocap.bodies import Problem, read_body, read_files
+from numpy_cae.mocap.load import load_motion, matches_any
 from numpy_cae.motion import Motion
 from studies.shared.messages import note
 
@@ -109,7 +109,7 @@ def read_takes(paths: Sequence[Path], read: Callable[[Path], Take]) -> Iterator[
     Raises ValueError if no file can be read.
     """
     unreadable = 0
-    for path, take in zip(paths, read_each(paths, read), strict=True):
+    for path, take in zip(paths, read_files(paths, read), strict=True):
         if isinstance(take, Problem):
             unreadable += 1
             note(f"left out: {take}")
@@ -135,7 +135,7 @@ def read_material(
     paths = list(dict.fromkeys(paths))
     for path, (positions, _) in read_takes(paths, partial(read_body, **reading)):
         take = LabelledTake(path, positions, *labels_of(path))
-        if is_test(path, patterns):
+        if matches_any(path, patterns):
             testing.append(take)
         else:
             training.append(take)

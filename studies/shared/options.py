@@ -17,7 +17,7 @@ from typing import Any
 from numpy_cae.manifold import MotionManifold, load_manifold, starter
 from numpy_cae.manifold.learning import HIDDEN, LATENT
 from numpy_cae.mocap import find_motion_files, read_mapping
-from numpy_cae.mocap.load import is_test
+from numpy_cae.mocap.load import matches_any
 from numpy_cae.motion import CLIP
 from numpy_cae.training import SEQUENCE_RECIPES, ProgressPrinter, SequenceSchedule
 from studies.jang2018.actions import ACTIONS, Action, read_action, synthetic_action
@@ -278,7 +278,7 @@ class Inputs:
             files += find_motion_files(folder)
         if args.test:
             return args.test
-        if not args.unseen and any(is_test(path, recorded) for path in files):
+        if not args.unseen and any(matches_any(path, recorded) for path in files):
             return recorded
         return [escape(path.name) for path in files[4::5] or files[:1]]
 

@@ -9,8 +9,8 @@ from acclaim_files import AMC, ASF
 from scipy.spatial.transform import Rotation
 
 from numpy_cae.mocap import MotionFileError, load_motion
-from numpy_cae.mocap.coordinates import CMU_UNIT
 from numpy_cae.mocap.formats.amc import read_amc
+from numpy_cae.mocap.units import CMU_UNIT
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from data_synth import make_take
 from data_synth.kinds import KINDS
 from numpy_cae.mocap import body_positions
-from numpy_cae.mocap.coordinates import TO_Y_UP, as_in_file, in_y_up, require_coordinates
+from numpy_cae.mocap.coordinates import TO_Y_UP, require_coordinates, turn_as_in_file, turn_y_up
 from numpy_cae.mocap.formats.amc import read_amc
 from numpy_cae.mocap.formats.read_bvh import read_bvh
 from numpy_cae.mocap.formats.write_bvh import write_bvh
@@ -19,13 +19,13 @@ from numpy_cae.motion import Skeleton, positions_to_features
 
 def in_file(motion, up, floor):
     """The motion as a file with this axis up and this floor has it."""
-    return as_in_file(replace(motion, up=up, floor=floor))
+    return turn_as_in_file(replace(motion, up=up, floor=floor))
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_y_up_on_a_floor_at_0_stays_the_same_object(kind):
     motion = make_take(kind, 3, 4.0, 30.0).motion
-    found = in_y_up(motion)
+    found = turn_y_up(motion)
     assert found.rotations is motion.rotations and found.translations is motion.translations
     assert (found.up, found.floor, found.note) == ("y", 0.0, motion.note)
 
@@ -65,14 +65,14 @@ def test_a_floor_above_and_below_stairs_stays():
     for rise in (1.5, -1.5):
         translations = walk.translations.copy()
         translations[len(walk) // 2 :, 0, 1] += rise
-        assert in_y_up(replace(walk, translations=translations)).floor == 0
+        assert turn_y_up(replace(walk, translations=translations)).floor == 0
 
 
 def test_a_body_that_hangs_in_most_frames_is_turned():
     """A pose estimator whose image axis points down, and which loses the body for some frames."""
     hung = in_file(make_take("walk", 1, 4.0, 30.0).motion, "-y", 0.0)
     hung.rotations[10:45, 0] = [1.0, 0.0, 0.0, 0.0]
-    assert in_y_up(hung).up == "-y"
+    assert turn_y_up(hung).up == "-y"
 
 
 def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
@@ -83,7 +83,7 @@ def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
     offsets = idle.skeleton.offsets @ matrix.T
     names, parents = idle.skeleton.names, idle.skeleton.parents
     rest = Skeleton(names, parents, offsets, idle.skeleton.end_sites)
-    assert in_y_up(replace(turned, skeleton=rest)).up == "z"
+    assert turn_y_up(replace(turned, skeleton=rest)).up == "z"
 
 
 def test_coordinates_that_are_none():
@@ -109,7 +109,7 @@ def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_f
             continue  # a pose at the origin rests on two floors
         features, _ = positions_to_features(body_positions(plain), 30.0)
         for up in TO_Y_UP:
-            found = in_y_up(in_file(plain, up, 0.0))
+            found = turn_y_up(in_file(plain, up, 0.0))
             assert (found.up, found.floor) == (up, 0.0), path
             turned, _ = positions_to_features(body_positions(found), 30.0)
             np.testing.assert_allclose(turned, features, atol=1e-9)

@@ -8,7 +8,7 @@ from acclaim_files import FILES, write_acclaim
 
 from data_synth import make_take
 from numpy_cae.mocap import MotionFileError, load_windows, write_bvh
-from numpy_cae.mocap.bodies import read_body, read_each
+from numpy_cae.mocap.bodies import read_body, read_files
 from numpy_cae.mocap.load import find_motion_files, load_body, load_motion
 from numpy_cae.motion import Motion
 
@@ -70,7 +70,7 @@ def paths(tmp_path_factory):
 
 
 def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
-    for path, body in zip(paths, read_each(paths, read_body), strict=True):
+    for path, body in zip(paths, read_files(paths, read_body), strict=True):
         if path.name != "bad.bvh":
             positions, motion = load_body(path)
             np.testing.assert_array_equal(body[0], positions)
@@ -80,7 +80,7 @@ def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
 
 
 def test_processes_read_the_same(paths):
-    one, other = (list(read_each(paths, read_body, processes)) for processes in (1, 2))
+    one, other = (list(read_files(paths, read_body, processes)) for processes in (1, 2))
     *good, bad = zip(one, other, strict=True)
     assert str(bad[0]) == str(bad[1]) and "bad.bvh" in str(bad[0])
     for (positions, notes), (others, other_notes) in good:
@@ -107,7 +107,7 @@ def test_bodies_that_are_no_persons_and_jumps_are_named(paths, tmp_path):
         ("jump", replace(motion, translations=jump), "(at 30 a second)"),
     ):
         write_bvh(take, tmp_path / f"{name}.bvh", unit=0.01)
-        (problem,) = read_each([tmp_path / f"{name}.bvh"], read_body)
+        (problem,) = read_files([tmp_path / f"{name}.bvh"], read_body)
         assert f"{name}.bvh: " in str(problem) and message in str(problem)
 
 
@@ -116,6 +116,6 @@ def test_an_unexpected_exception_names_the_file_and_the_others_are_read(paths, m
         raise IndexError("index 7 is out of bounds")
 
     monkeypatch.setattr("numpy_cae.mocap.load.read_bvh", broken)
-    read = list(read_each(paths, read_body))
+    read = list(read_files(paths, read_body))
     assert sum(isinstance(each, tuple) for each in read) == 1
     assert "0.bvh: cannot be read: IndexError: index 7" in str(read[0])

@@ -16,8 +16,8 @@ from plain_bvh import PlainJoint, bvh_text, plain_positions
 
 from data_synth import make_take
 from numpy_cae.mocap import MotionFileError, load_motion, read_bvh, write_bvh
-from numpy_cae.mocap.coordinates import UNITS, guess_unit, stated_unit
 from numpy_cae.mocap.formats import text_file
+from numpy_cae.mocap.units import UNITS, guess_unit, stated_unit
 
 WALK = make_take("walk", 1, 1.0, 30.0).motion
 numbers = st.floats(-300, 300, allow_nan=False).map(lambda x: round(x, 4))

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from data_synth import make_take
 from numpy_cae.mocap import UnknownRigError, body_of, body_positions, retarget
 from numpy_cae.mocap.retargeting.body import at_rate_of
-from numpy_cae.mocap.rigs.recognise import recognised
+from numpy_cae.mocap.rigs.recognise import recognise_rig
 from numpy_cae.motion import JOINTS, Motion, Skeleton
 from numpy_cae.motion.fit import body_skeleton, fit_fan, swing
 from numpy_cae.motion.quaternions import angle, inverse, product, rotate, to_vector
@@ -195,7 +195,7 @@ def test_what_cannot_be_followed_is_said():
     with pytest.raises(ValueError, match="not finite"):
         retarget(motion, lost)
     with pytest.raises(UnknownRigError, match=r"left_hip .*descends from none"):
-        retarget(recognised(motion, {"left_hip": "floor"}), body_positions(motion))
+        retarget(recognise_rig(motion, {"left_hip": "floor"}), body_positions(motion))
 
 
 def test_a_swing_straight_back_and_of_nothing():

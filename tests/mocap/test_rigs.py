@@ -11,14 +11,14 @@ from data_synth import make_take
 from numpy_cae.mocap import load_motion, retarget, write_bvh
 from numpy_cae.mocap.retargeting.body import body_positions
 from numpy_cae.mocap.rigs.recognise import (
-    doubt,
+    add_missing_joints,
+    find_doubt,
     find_joints,
     joint_index,
-    recognised,
+    recognise_rig,
     rig_of,
-    with_added_joints,
 )
-from numpy_cae.mocap.rigs.rigs import RIGS, UnknownRigError, read_mapping, rig_by_names, with_rig
+from numpy_cae.mocap.rigs.rigs import RIGS, UnknownRigError, attach_rig, read_mapping, rig_by_names
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Skeleton
 from numpy_cae.motion.features import bone_lengths
 from numpy_cae.motion.fit import body_skeleton
@@ -52,7 +52,7 @@ one that is missing."""
 def test_rigs_of_other_programs_are_found_by_their_names(rig):
     names = rig["names"].split()
     skeleton = Skeleton(tuple(names), tuple(rig["parents"]), np.ones((len(names), 3)))
-    found = rig_by_names(skeleton).found
+    found = rig_by_names(skeleton).indices
     assert [names[found[j]] if j in found else "-" for j in JOINTS] == rig["twenty"].split()
 
 
@@ -70,10 +70,10 @@ def test_of_several_mappings_the_one_that_fits_goes_before_the_table(tmp_path):
     file.write_text(json.dumps({"left_wrist": "paw"}))
     motion = person(dict(zip(JOINTS, names, strict=True)).get)
     for mapping in (read_mapping(file), [{"left_wrist": "claw"}, read_mapping(file)]):
-        found = rig_of(recognised(motion, mapping)).joints
+        found = rig_of(recognise_rig(motion, mapping)).joints
         assert motion.skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
     with pytest.raises(UnknownRigError, match=r"left_wrist \(as 'claw'\)"):
-        rig_of(recognised(motion, {"left_wrist": "claw"}))
+        rig_of(recognise_rig(motion, {"left_wrist": "claw"}))
     known = skeleton_of(names_in("Mixamo"))
     assert rig_by_names(known, [{"head": "x"}, {"head": "y"}]).joints == find_joints(known)
 
@@ -111,8 +111,8 @@ def test_the_joints_of_real_rigs_are_beyond_doubt(data_folder, file):
     motion = load_motion(data_folder / "cmu" / file)
     unnamed = replace(motion.skeleton, names=tuple(map(str, range(len(motion.skeleton.names)))))
     joints = rig_of(motion).joints
-    assert doubt(replace(motion, skeleton=unnamed)) == ""
-    assert rig_of(recognised(replace(motion, skeleton=unnamed))).joints == joints
+    assert find_doubt(replace(motion, skeleton=unnamed)) == ""
+    assert rig_of(recognise_rig(replace(motion, skeleton=unnamed))).joints == joints
 
 
 WALK = make_take("walk", 1, 2.0, 30.0).motion
@@ -141,7 +141,7 @@ def bone(joint):
 
 
 def swapped(joint):
-    """Names of a known rig in the wrong order, which are not believed."""
+    """Names of a common rig in the wrong order, which are not believed."""
     return {"left_shoulder": "left_elbow", "left_elbow": "left_shoulder"}.get(joint, joint)
 
 
@@ -151,7 +151,7 @@ def test_rig_writes_the_suggestion_where_known_names_leave_fewer_joints(run, tmp
     motion = person(lambda joint: joint.replace("toe", "tip").replace("ankle", "toe"), (), short)
     take, mapping = tmp_path / "take.bvh", tmp_path / "rig.json"
     write_bvh(motion, take)
-    assert len(load_motion(take).rig.found) < len(JOINTS)
+    assert len(load_motion(take).rig.indices) < len(JOINTS)
     run("rig", take, "-o", mapping)
     rig_of(load_motion(take, mapping=read_mapping(mapping)))
     assert read_mapping(mapping)["left_ankle"] == "left_toe"
@@ -163,7 +163,7 @@ def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_pa
     file.skeleton.offsets[own.index("left_shoulder"), 1] += 0.1  # the chest's bones differ
     for side in ("left", "right"):
         file.skeleton.end_sites[own.index(f"{side}_ankle")] = np.array([0, -0.05, 0.12])
-    found = with_added_joints(with_rig(file, rig_by_names(file.skeleton)))
+    found = add_missing_joints(attach_rig(file, rig_by_names(file.skeleton)))
     assert set(found.skeleton.names[len(own) :]) == {f"{joint} (added)" for joint in lacking}
     at = dict(zip(JOINTS, body_positions(found)[0], strict=True))
     np.testing.assert_allclose(at["left_toe"] - at["left_ankle"], [0, -0.05, 0.12], atol=1e-12)
@@ -180,7 +180,7 @@ DOUBTS = [(TOES, 1, "neither names nor toes tell"), ([], 2, "the ratio of thigh 
 
 @pytest.mark.parametrize(("name", "lacking"), INCOMPLETE)
 def test_an_incomplete_rig_is_recognised_and_its_ends_are_added(name, lacking):
-    found = recognised(person(name, lacking))
+    found = recognise_rig(person(name, lacking))
     names = [found.skeleton.names[joint] for joint in rig_of(found).joints]
     assert [JOINTS[rig_of(found).joints.index(joint)] for joint in found.rig.added] == lacking
     assert names == [f"{j} (added)" if j in lacking else name(j) for j in JOINTS]
@@ -191,7 +191,7 @@ def test_an_incomplete_rig_is_recognised_and_its_ends_are_added(name, lacking):
 @pytest.mark.parametrize(("lacking", "scale", "problem"), DOUBTS)
 def test_a_doubtful_suggestion_is_not_used_but_shown(lacking, scale, problem):
     lengths = LENGTHS * np.where([joint.endswith("knee") for joint in JOINTS], scale, 1)
-    found = recognised(person(bone, lacking, lengths=lengths))
+    found = recognise_rig(person(bone, lacking, lengths=lengths))
     assert f"rig not recognised: {problem}" in found.note
     with pytest.raises(UnknownRigError, match=r'hierarchy suggests \{"hips": "bone 0"'):
         rig_of(found)
@@ -208,4 +208,4 @@ def test_an_animal_with_a_persons_names_is_doubted():
     legs = [n for n, joint in enumerate(JOINTS) if joint.endswith(("knee", "ankle", "toe"))]
     dog.skeleton.offsets[legs] = dog.skeleton.offsets[legs][:, [0, 2, 1]]  # square to the trunk
     dog = replace(dog, translations=np.tile(dog.skeleton.offsets, (4, 1, 1)))
-    assert "is this a person? neither the rest pose nor most" in recognised(dog).note
+    assert "is this a person? neither the rest pose nor most" in recognise_rig(dog).note

@@ -20,8 +20,8 @@ from scipy.spatial.transform import Rotation
 from data_synth import make_take
 from numpy_cae.errors import FileError
 from numpy_cae.mocap import MotionFileError, load_motion, read_bvh, write_bvh
-from numpy_cae.mocap.coordinates import CMU_UNIT
 from numpy_cae.mocap.formats.write_like import write_like
+from numpy_cae.mocap.units import CMU_UNIT
 from numpy_cae.motion import Motion, Skeleton
 
 

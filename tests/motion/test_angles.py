@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from data_synth import JANG2018_KINDS, make_take
 from numpy_cae.mocap import angles_of, body_positions, load_angles, load_motion
 from numpy_cae.mocap.formats.expmap import HUMAN36M, read_expmap
-from numpy_cae.mocap.rigs.recognise import recognised
+from numpy_cae.mocap.rigs.recognise import recognise_rig
 from numpy_cae.mocap.t_pose import leading_t_pose
 from numpy_cae.motion import cut_clips, draw_clips, motion_of
 from numpy_cae.motion.angles import HUMAN36M_TABLE, SEVENTEEN, remove_whole_turns, unwrap
@@ -73,7 +73,7 @@ def test_the_fifty_four_columns_of_human36m_that_vary(tmp_path):
 
 def test_without_a_neck_the_head_turns_as_one(walk, sequence):
     mapping = {"chest": "lowerneck", "left_collar": "lclavicle", "head": "upperneck"}
-    found = angles_of(recognised(walk, mapping))
+    found = angles_of(recognise_rig(walk, mapping))
     head = [SEVENTEEN.columns.index(f"head {axis}") for axis in "xyz"]
     assert np.allclose(found.numbers[:, head], 0, atol=1e-7)
     assert not np.allclose(sequence.numbers[:, head], 0, atol=1e-3)

@@ -19,7 +19,7 @@ from numpy_cae.mocap.rigs.suggest import suggest_mapping
 from numpy_cae.motion import JOINTS, Motion, Skeleton
 
 TRUSTED = 15
-"""If at least this many of the twenty joints have the names of a known rig, the names
+"""If at least this many of the twenty joints have the names of a common rig, the names
 decide and not the hierarchy."""
 
 
@@ -36,16 +36,16 @@ def run(args: argparse.Namespace) -> int:
     reading = arguments.reading(args)
     motion = load_motion(args.file, **reading)
     by_names = rig_by_names(motion.skeleton, reading["mapping"])
-    names = {joint: motion.skeleton.names[index] for joint, index in by_names.found.items()}
-    if len(motion.rig.found) < len(JOINTS):
+    names = {joint: motion.skeleton.names[index] for joint, index in by_names.indices.items()}
+    if len(motion.rig.indices) < len(JOINTS):
         mapping = _suggest_names(motion.skeleton, names)
         motion = load_motion(args.file, **reading | {"mapping": mapping})
     rig = motion.rig
-    in_file = {joint: index for joint, index in rig.found.items() if index not in rig.added}
-    if in_file == by_names.found and len(names) >= TRUSTED:
-        rig_name = by_names.known
+    in_file = {joint: index for joint, index in rig.indices.items() if index not in rig.added}
+    if in_file == by_names.indices and len(names) >= TRUSTED:
+        rig_name = by_names.name
     else:
-        rig_name = f"unknown ({by_names.known} has {len(names)} of the 20 joints)"
+        rig_name = f"unknown ({by_names.name} has {len(names)} of the 20 joints)"
     _print_file(args.file, motion, rig_name)
     _print_joints(motion, in_file, names)
     if args.output is not None:
@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
 def _suggest_names(skeleton: Skeleton, names: dict[str, str]) -> dict[str, str]:
     """The names of as many joints as possible, by the names that are known and the hierarchy."""
     suggested = suggest_mapping(skeleton)
-    # If only a few names are those of a known rig, they may mean other joints here.
+    # If only a few names are those of a common rig, they may mean other joints here.
     first, second = (names, suggested) if len(names) >= TRUSTED else (suggested, names)
     # A name may stand for another joint: LeftToe is the ankle where LeftToeEnd is the toe.
     additional = {joint: name for joint, name in second.items() if name not in first.values()}
@@ -78,10 +78,10 @@ def _print_file(path: Path, motion: Motion, rig_name: str) -> None:
 def _print_joints(motion: RiggedMotion, in_file: dict[str, int], names: dict[str, str]) -> None:
     """Print the name of each joint in the rig, and whether the hierarchy suggested it."""
     for joint in JOINTS:
-        if joint not in motion.rig.found:
+        if joint not in motion.rig.indices:
             print(f"  {joint:15} missing: name one")
             continue
-        name = motion.skeleton.names[motion.rig.found[joint]]
+        name = motion.skeleton.names[motion.rig.indices[joint]]
         if joint in in_file and name != names.get(joint):
             name += " (suggested by the hierarchy: check it)"
         print(f"  {joint:15} {name}")

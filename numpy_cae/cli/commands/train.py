@@ -27,7 +27,7 @@ from numpy_cae.cli.shared.files import read_bodies, read_usable, split_for_test
 from numpy_cae.evaluation.tables import NOTE, compare_reconstructions, compare_repairs
 from numpy_cae.manifold.augmentation import FileDamage, mirror
 from numpy_cae.manifold.learning import HIDDEN, LATENT, learn_manifold, learn_sequences
-from numpy_cae.mocap.load import find_motion_files, is_test, load_angles
+from numpy_cae.mocap.load import find_motion_files, load_angles, matches_any
 from numpy_cae.motion import ANGLE_RATE, CLIP, LENGTH, RATE
 from numpy_cae.training.schedule import change_schedule
 
@@ -136,7 +136,7 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Traine
         {
             "name": folder.resolve().name,
             "files": len(group),
-            "test": sum(is_test(path, args.test) for path in group),
+            "test": sum(matches_any(path, args.test) for path in group),
         }
         for folder, group in files.items()
     ]

@@ -23,7 +23,7 @@ from numpy_cae.cli.shared import arguments, files
 from numpy_cae.cli.shared.summary import Numbers, Summary, details_in_words, measures_in_line
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError, rig_of
-from numpy_cae.mocap.load import FileMotion
+from numpy_cae.mocap.file_motion import FileMotion
 from numpy_cae.motion import Motion
 from numpy_cae.visible import visible
 from numpy_cae.viz import before_and_after, save_viewer

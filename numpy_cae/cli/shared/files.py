@@ -20,8 +20,9 @@ from numpy_cae.manifold import (
 )
 from numpy_cae.manifold.model_file import Manifold
 from numpy_cae.mocap import require_bvh, write_bvh
-from numpy_cae.mocap.bodies import Problem, read_body, read_each, split_takes
-from numpy_cae.mocap.load import KEPT, find_motion_files
+from numpy_cae.mocap.bodies import Problem, read_body, read_files, split_takes
+from numpy_cae.mocap.file_motion import KEPT_SUFFIXES
+from numpy_cae.mocap.load import find_motion_files
 from numpy_cae.motion import RATE, Motion
 from numpy_cae.viz import Actor, save_viewer
 
@@ -116,12 +117,12 @@ def targets_of(args: argparse.Namespace) -> dict[Path, Path | None]:
 def _target(args: argparse.Namespace, source: Path, name: Path) -> Path:
     """The file to write for a file whose path below its folder is `name`."""
     output = args.output
-    is_kept = source.suffix.lower() in KEPT
+    is_kept = source.suffix.lower() in KEPT_SUFFIXES
     if is_single(args) and not output.is_dir():
         if not (is_kept and source.suffix.lower() == output.suffix.lower()):
             require_bvh(output)
         return output
-    if output.suffix.lower() in KEPT and not output.is_dir():
+    if output.suffix.lower() in KEPT_SUFFIXES and not output.is_dir():
         raise ValueError(f"{output}: is a file's name, expected a folder for the motions")
     return output / (name if is_kept else f"{name}.bvh")
 
@@ -195,7 +196,7 @@ def read_usable(
     error if `strict` or if it is the only one, otherwise it is reported and skipped; ValueError if
     all are."""
     left_out = 0
-    takes = with_progress(read_each(paths, read), len(paths), "file")
+    takes = with_progress(read_files(paths, read), len(paths), "file")
     for path, take in zip(paths, takes, strict=True):
         if not isinstance(take, Problem):
             yield path, take

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.mocap.coordinates import stated_unit, stature
 from numpy_cae.mocap.formats.asf import ANGLE_UNITS, read_asf, statements
 from numpy_cae.mocap.formats.channels import JointChannels, read_pose
 from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile, quoted, whole_number
+from numpy_cae.mocap.units import stated_unit, stature
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
 
 CMU_RATE = 120.0
@@ -98,10 +98,10 @@ def find_skeleton(path: str | Path) -> Path:
         return max(fitting, key=lambda asf: len(asf.stem))
     if len(skeletons) == 1:
         return skeletons[0]
-    found = ", ".join(asf.name for asf in skeletons) or "no .asf file"
-    wanted = f"{path.stem.split('_')[0]}.asf; copy its skeleton there under this name"
-    problem = f"it is not clear which skeleton it has: the folder contains {found}"
-    raise MotionFileError(path, None, f"{problem}, expected {wanted}")
+    present = ", ".join(asf.name for asf in skeletons) or "no .asf file"
+    expected = f"{path.stem.split('_')[0]}.asf; copy its skeleton there under this name"
+    problem = f"it is not clear which skeleton it has: the folder contains {present}"
+    raise MotionFileError(path, None, f"{problem}, expected {expected}")
 
 
 def _read_header(file: TextFile, channels: JointChannels) -> tuple[JointChannels, float, int]:
@@ -113,7 +113,9 @@ def _read_header(file: TextFile, channels: JointChannels) -> tuple[JointChannels
             return channels, rate, line - 1
         if keyword[1:] in ANGLE_UNITS:
             unit = ANGLE_UNITS[keyword[1:]]
-            channels = {name: replace(own, angle_unit=unit) for name, own in channels.items()}
+            channels = {
+                name: replace(of_bone, angle_unit=unit) for name, of_bone in channels.items()
+            }
         elif keyword == ":samples-per-second":
             (rate,) = file.numbers(line, words[1:], 1, keyword)
             if not MIN_RATE <= rate <= MAX_RATE:
@@ -129,9 +131,9 @@ def _frames(
 
     `rate` is the rate of these frames. Comments, blanks and the order of the bones do not matter.
     """
-    moving = [name for name, own in channels.items() if own.names]
+    moving = [name for name, of_bone in channels.items() if of_bone.names]
     rows = array("d")
-    for count, frame in enumerate(_each_frame(file, channels, header)):
+    for count, frame in enumerate(_read_frames(file, channels, header)):
         missing = [name for name in moving if name not in frame.values]
         if missing:
             problem = f"frame {frame.number} has no values for {', '.join(missing)}"
@@ -152,10 +154,14 @@ class _Frame(NamedTuple):
 
     def row(self, file: TextFile, bones: list[str]) -> list[float]:
         """The numbers of these bones."""
-        return [value for name in bones for value in file.numbers(*self.values[name])]
+        numbers: list[float] = []
+        for name in bones:
+            line, words = self.values[name]
+            numbers += file.numbers(line, words)
+        return numbers
 
 
-def _each_frame(file: TextFile, channels: JointChannels, header: int) -> Iterator[_Frame]:
+def _read_frames(file: TextFile, channels: JointChannels, header: int) -> Iterator[_Frame]:
     """The frames below line `header`, at least one."""
     frame: _Frame | None = None
     for line, (name, *values) in statements(file, header):
@@ -169,8 +175,8 @@ def _each_frame(file: TextFile, channels: JointChannels, header: int) -> Iterato
         number = whole_number(name)
         if number is None or values or (frame is not None and number != frame.number + 1):
             after = "the first frame" if frame is None else f"frame {frame.number + 1}"
-            wanted = f"expected the number of {after} or a bone of the skeleton and its values"
-            raise file.error(line, f"{quoted(' '.join([name, *values]))}, {wanted}")
+            expects = f"expected the number of {after} or a bone of the skeleton and its values"
+            raise file.error(line, f"{quoted(' '.join([name, *values]))}, {expects}")
         if frame is not None:
             yield frame
         frame = _Frame(line, number, {})

@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.mocap.coordinates import INCH, require_unit
 from numpy_cae.mocap.formats.channels import Channels, JointChannels
 from numpy_cae.mocap.formats.text_file import TextFile, quoted
+from numpy_cae.mocap.units import INCH, require_unit
 from numpy_cae.motion.motion import Skeleton, depth_first
 from numpy_cae.motion.quaternions import from_angles
 
@@ -90,13 +90,13 @@ class _Block:
         turned = self.rotation(angles, self.words("axis", "XYZ")[1], angle_unit)
         return Channels(names, unit, position, orientation=turned, angle_unit=angle_unit)
 
-    def channels(self, keyword: str, known: tuple[str, ...], default: str) -> tuple[str, ...]:
+    def channels(self, keyword: str, allowed: tuple[str, ...], default: str) -> tuple[str, ...]:
         """The channels of an `order` or `dof` statement; rotations are about fixed axes in this
         order."""
         line, words = self.words(keyword, default)
         names = tuple(word.lower() for word in words)
-        if not set(names) <= set(known) or len(set(names)) < len(names):
-            expected = f"expected each of {' '.join(known)} at most once: bones only rotate"
+        if not set(names) <= set(allowed) or len(set(names)) < len(names):
+            expected = f"expected each of {' '.join(allowed)} at most once: bones only rotate"
             raise self.file.error(line, f"{keyword} {quoted(' '.join(words))}, {expected}")
         return names
 

@@ -76,7 +76,8 @@ class Channels:
         if len(before) and len(after):
             steps = np.abs(np.diff(np.vstack([before, present, after]), axis=0))
             jump = int(np.argmax(steps.max(axis=1, initial=0.0)))
-        start, end = (next(iter(x), present[0]) for x in (before, after))
+        start = before[0] if len(before) else present[0]
+        end = after[0] if len(after) else present[0]
         first = quaternions.continuous_angles(angles[:jump], self.angle_unit * start)
         last = quaternions.continuous_angles(angles[jump:][::-1], self.angle_unit * end)[::-1]
         return np.concatenate([first, last]) / self.angle_unit
@@ -104,7 +105,8 @@ def read_pose(
     columns = columns_of(channels)
     for first in range(0, len(values), _BLOCK):
         block = values[first : first + _BLOCK]
-        turned, placed = (x[first : first + _BLOCK] for x in (rotations, translations))
+        turned = rotations[first : first + _BLOCK]
+        placed = translations[first : first + _BLOCK]
         for joint, of_joint in enumerate(channels.values()):
             lengths = of_joint.unit * block[:, columns[joint][of_joint.places("t")]]
             coordinates = of_joint.coordinates

@@ -20,8 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.mocap.coordinates import CMU_UNIT, require_unit, unit_name
 from numpy_cae.mocap.formats.text_file import MAX_LINE, TextFile
+from numpy_cae.mocap.units import CMU_UNIT, require_unit, unit_name
 from numpy_cae.motion import Motion, Note, Skeleton, quaternions
 
 _LAYOUTS = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
@@ -122,7 +122,8 @@ def is_expmap_text(path: str | Path) -> bool:
 
 def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
     """The layout of a file and its numbers (frames, width)."""
-    line, first = next((each for each in file.numbered() if each[1].strip()), (1, ""))
+    filled = ((number, text) for number, text in file.numbered() if text.strip())
+    line, first = next(filled, (1, ""))
     width = first.count(",") + 1
     rig = next((rig for rig in EXPMAP_RIGS if rig.width == width), None)
     if rig is None:

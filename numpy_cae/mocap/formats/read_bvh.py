@@ -29,12 +29,13 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.mocap.coordinates import guess_unit, require_unit, stated_unit, stature
 from numpy_cae.mocap.formats.channels import Channels, JointChannels, read_pose
 from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
+from numpy_cae.mocap.units import guess_unit, require_unit, stated_unit, stature
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
-SLOWEST_RATE, FASTEST_RATE = 8.0, 2000.0
+SLOWEST_RATE = 8.0
+FASTEST_RATE = 2000.0
 """No recorder of motion has a rate (frames a second) below or above these."""
 CHANNELS = {f"{axis}position": f"t{axis}" for axis in "XYZ"}
 CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
@@ -225,10 +226,7 @@ class _Hierarchy:
         for line, keyword, value in self._statements():
             self._require_expected(line, f"{keyword} {value}".strip())
             if keyword == "MOTION":
-                count = len(self.skipped)
-                text = f"skipped {count} unknown line{'s' * (count > 1)} of the hierarchy"
-                notes = [Note("skipped lines", f"{text}, first line {n}") for n in self.skipped[:1]]
-                return [*self.joints.values()], line, notes
+                return [*self.joints.values()], line, self._notes()
             if keyword in ("ROOT", "JOINT", "End Site"):
                 self.blocks.append(self._new_block(line, keyword, value))
                 continue
@@ -247,6 +245,14 @@ class _Hierarchy:
                 self.blocks.pop()
         problem = f"the file ends{self._place()} without MOTION: is it cut off?"
         raise self.file.error(self.file.count, problem)
+
+    def _notes(self) -> list[Note]:
+        """A note if lines were skipped."""
+        if not self.skipped:
+            return []
+        lines = "line" if len(self.skipped) == 1 else "lines"
+        text = f"skipped {len(self.skipped)} unknown {lines} of the hierarchy"
+        return [Note("skipped lines", f"{text}, first line {self.skipped[0]}")]
 
     def _statements(self) -> Iterator[tuple[int, str, str]]:
         """(line number, keyword, value) of each statement; a brace is one anywhere in a line."""

@@ -111,8 +111,9 @@ class TextFile:
         `name` has.
         """
         if count is not None and len(words) != count:
-            problem = f"{name} has {len(words)} value{'s' * (len(words) != 1)}"
-            raise self.error(line, f"{problem}, expected {count} number{'s' * (count > 1)}")
+            problem = f"{name} has {len(words)} {'value' if len(words) == 1 else 'values'}"
+            expected = "number" if count == 1 else "numbers"
+            raise self.error(line, f"{problem}, expected {count} {expected}")
         values = []
         for word in words:
             value = as_number(word)

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.mocap.coordinates import as_in_file, require_unit
+from numpy_cae.mocap.coordinates import turn_as_in_file
 from numpy_cae.mocap.formats.text_file import MAX_JOINTS, MAX_VALUE
+from numpy_cae.mocap.units import require_unit
 from numpy_cae.motion import Motion, Skeleton
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, depth_first, require_finite
 from numpy_cae.motion.quaternions import continuous_angles, nearest_angles
@@ -64,7 +65,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     """
     require_bvh(path)
     unit = require_unit(motion.unit if unit is None else unit)
-    motion = as_in_file(motion)
+    motion = turn_as_in_file(motion)
     require_finite(motion)
     _require_readable(motion, unit)
     joints = range(len(motion.skeleton.names))

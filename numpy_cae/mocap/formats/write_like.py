@@ -11,11 +11,12 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.mocap.coordinates import as_in_file
+from numpy_cae.mocap.coordinates import turn_as_in_file
 from numpy_cae.mocap.formats.amc import amc_channels
 from numpy_cae.mocap.formats.channels import JointChannels, columns_of
 from numpy_cae.mocap.formats.read_bvh import bvh_channels
@@ -80,27 +81,42 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     is_bvh = source.suffix.lower() == ".bvh"
     channels = bvh_channels(source, before.unit) if is_bvh else amc_channels(source, before.unit)
     replacer = _Replacer(channels, is_bvh)
-    cut = len(before) - len(after)
     with (
         atomic_write(path) as temporary,
-        _text(source, "r") as lines,
-        _text(temporary, "w") as output,
+        _open_text(source, "r") as lines,
+        _open_text(temporary, "w") as output,
     ):
-        parts = _parts(lines, is_bvh)
-        header = next(parts)
-        output.write(_FRAMES.sub(rf"\g<1>{len(after)}", header) if cut else header)
-        kept = islice(parts, cut, None)
-        texts = _changed(kept, replacer, before.at(slice(cut, None)), after, source)
-        if cut and not is_bvh:  # an .amc file numbers its frames
-            numbered = enumerate(texts, 1)
-            texts = (re.sub(r"\d+", str(number), text, count=1) for number, text in numbered)
-        output.writelines(texts)
+        output.writelines(_write_parts(_parts(lines, is_bvh), replacer, before, after, source))
     if replacer.misses:
-        worst = ", ".join(f"{joint} {miss:.0f}{u}" for (joint, u), miss in replacer.misses.items())
+        misses = []
+        for (joint, unit), miss in replacer.misses.items():
+            misses.append(f"{joint} {miss:.0f}{unit}")
+        worst = ", ".join(misses)
         log.warning("%s: not written, as the channels do not allow it: %s", path, worst)
 
 
-def _changed(
+def _write_parts(
+    parts: Iterator[str], replacer: _Replacer, before: Motion, after: Motion, source: Path
+) -> Iterator[str]:
+    """The parts of the new file, from those of the source: its header, then each frame that is not
+    cut off at the start."""
+    cut = len(before) - len(after)
+    header = next(parts)
+    if cut == 0:
+        yield header
+        yield from _replace_frames(parts, replacer, before, after, source)
+        return
+    yield _FRAMES.sub(rf"\g<1>{len(after)}", header)
+    remaining = islice(parts, cut, None)
+    frames = _replace_frames(remaining, replacer, before.at(slice(cut, None)), after, source)
+    if replacer.is_bvh:
+        yield from frames
+        return
+    for number, text in enumerate(frames, 1):  # an .amc file numbers its frames
+        yield re.sub(r"\d+", str(number), text, count=1)
+
+
+def _replace_frames(
     texts: Iterator[str], replacer: _Replacer, before: Motion, after: Motion, source: Path
 ) -> Iterator[str]:
     """The text of each frame, with the numbers of `after`."""
@@ -110,7 +126,7 @@ def _changed(
         count += len(block)
         if count > len(after):
             break
-        yield from replacer.replaced(block, before.at(frames), after.at(frames))
+        yield from replacer.replace(block, before.at(frames), after.at(frames))
     if count != len(after):
         raise MotionFileError(source, None, "has changed since it was read")
 
@@ -141,7 +157,7 @@ class _Replacer:
         self.last = np.zeros((0, sum(map(len, self.columns))))
         self.misses: dict[tuple[str, str], float] = {}
 
-    def replaced(self, texts: list[str], before: Motion, after: Motion) -> list[str]:
+    def replace(self, texts: list[str], before: Motion, after: Motion) -> list[str]:
         """The texts of a block of frames, in which the motion was `before`, with new numbers."""
         turned = np.any(before.rotations != after.rotations, axis=-1)
         steps = 100 * np.linalg.norm(before.translations - after.translations, axis=-1)
@@ -149,9 +165,9 @@ class _Replacer:
         # Changed frames, their neighbours and the last frame are parsed.
         parsed = np.convolve(changed, [True, True, True])[1:-1] > 0
         parsed[-1] = True
-        values, places_in = self._parsed(texts, np.flatnonzero(parsed).tolist())
+        values, places_in = self._parse(texts, np.flatnonzero(parsed).tolist())
         old = values.copy()
-        self._put(values, as_in_file(after), turned, steps)
+        self._put(values, turn_as_in_file(after), turned, steps)
         self.last = values[-1:]
         decimals = _decimals(texts, places_in)
         # What was a NaN is written, too.
@@ -164,7 +180,7 @@ class _Replacer:
             texts[frame] = "".join(pieces)
         return texts
 
-    def _parsed(
+    def _parse(
         self, texts: list[str], frames: list[int]
     ) -> tuple[np.ndarray, dict[int, list[int]]]:
         """The numbers of some frames, (all frames, channels), and for each of these frames the
@@ -196,7 +212,10 @@ class _Replacer:
             end = start + 1 + len(self.channels[name].names)
             places[name] = words[start + 1 : end]
             start = end
-        return [place for name in self.channels for place in places.get(name, ())]
+        in_order: list[int] = []
+        for name in self.channels:
+            in_order += places.get(name, ())
+        return in_order
 
     def _put(
         self, values: np.ndarray, after: Motion, turned: np.ndarray, steps: np.ndarray
@@ -210,15 +229,19 @@ class _Replacer:
             lengths = (after.translations[frames, joint] - of_joint.offset) / of_joint.unit
             values[place] = lengths[:, of_joint.coordinates]
             columns = columns[of_joint.places("r")]
-            for first, end in runs(turned[:, joint]) if turned[:, joint].any() else ():
-                wanted = after.rotations[first:end, joint]
+            for first, end in runs(turned[:, joint]):
+                rotations = after.rotations[first:end, joint]
                 before = values[first - 1 : first] if first else self.last
-                around = before[:, columns], values[end : end + 1, columns]
-                angles = of_joint.rotation_values(wanted, values[first:end, columns], *around)
+                angles = of_joint.rotation_values(
+                    rotations,
+                    present=values[first:end, columns],
+                    before=before[:, columns],
+                    after=values[end : end + 1, columns],
+                )
                 values[first:end, columns] = angles
                 if len(columns) < 3:
-                    off = angle(product(inverse(of_joint.rotations(angles)), wanted))
-                    self._note(name, "°", float(np.degrees(off.max())))
+                    misses = angle(product(inverse(of_joint.rotations(angles)), rotations))
+                    self._note(name, "°", float(np.degrees(misses.max())))
             if len(of_joint.coordinates) < 3:
                 self._note(name, " cm", float(steps[:, joint].max()))
 
@@ -251,7 +274,7 @@ def _decimals(texts: list[str], places_in: dict[int, list[int]]) -> int:
     return max((len(word.partition(".")[2]) for word in plain), default=6)
 
 
-def _text(path: Path, mode: str):
+def _open_text(path: Path, mode: str) -> IO[str]:
     # Line ends are not translated, and bytes that are not UTF-8 are written as they were read.
     return path.open(mode, encoding="utf-8", errors="surrogateescape", newline="")
 

@@ -42,34 +42,34 @@ def angles_of(motion: Motion) -> angles.AngleSequence:
     # Human3.6M's own table for its text, seventeen joints for every other rig.
     is_human36m = motion.skeleton.names == HUMAN36M.skeleton.names
     table = angles.HUMAN36M_TABLE if is_human36m else angles.SEVENTEEN
-    found = joints_in(table, motion)
+    joints = joints_in(table, motion)
     pose = leading_t_pose(motion)
     motion = motion.at(slice(pose.frames, None)) if pose else motion
     motion = motion.resampled(angles.ANGLE_RATE)
     positions, rotations = motion.forward_kinematics()
-    vectors = np.zeros((len(motion), len(found), 3))
-    offsets = np.zeros((len(found), 3))
+    vectors = np.zeros((len(motion), len(joints), 3))
+    offsets = np.zeros((len(joints), 3))
     for joint, ancestor in enumerate(table.rotating_parents):
-        local = rotations[:, found[joint]]
+        local = rotations[:, joints[joint]]
         if ancestor >= 0:
-            inverse = quaternions.inverse(rotations[:, found[ancestor]])
-            offset = positions[:, found[joint]] - positions[:, found[ancestor]]
+            inverse = quaternions.inverse(rotations[:, joints[ancestor]])
+            offset = positions[:, joints[joint]] - positions[:, joints[ancestor]]
             offsets[joint] = quaternions.rotate(inverse, offset).mean(axis=0)
             local = quaternions.product(inverse, local)
         vectors[:, joint] = quaternions.to_vector(local)
     turned = angles.unwrap(vectors).reshape(len(motion), -1)[:, table.indices]
-    return angles.AngleSequence(np.hstack([positions[:, found[0]], turned]), table, offsets)
+    return angles.AngleSequence(np.hstack([positions[:, joints[0]], turned]), table, offsets)
 
 
 def joints_in(table: angles.AngleTable, motion: Motion) -> list[int]:
     """The indices of the joints of a table in a motion; UnknownRigError if any is missing."""
     if table is angles.HUMAN36M_TABLE:
         return [motion.skeleton.index(joint) for joint in table.joints]
-    found = rig_of(motion).found
+    indices = rig_of(motion).indices
     # The neck is the first joint on the way from the chest to the head, whatever its name. In rigs
     # without a neck it is the head: the table's neck then has the whole rotation, its head none.
-    neck = found["head"]
-    while motion.skeleton.parents[neck] not in (found["chest"], -1):
+    neck = indices["head"]
+    while motion.skeleton.parents[neck] not in (indices["chest"], -1):
         neck = motion.skeleton.parents[neck]
-    found = found | {"neck": neck}
-    return [found[joint] for joint in table.joints]
+    indices = indices | {"neck": neck}
+    return [indices[joint] for joint in table.joints]

@@ -1,9 +1,9 @@
 """Recognise the twenty joints in the rig of a file: by names, by hierarchy, or not at all.
 
-The names of known rigs come first. If they leave joints open, the hierarchy suggests these, or all.
-A suggestion is used and noted if its joints are in order along each limb, names and places agree on
-left and right, and the bones and the pose are a person's. A doubtful one is only noted, and
-`rig_of` then refuses the motion. Doubts about a rig that names determine are noted, too.
+The names of common rigs come first. If they leave joints open, the hierarchy suggests these, or
+all. A suggestion is used and noted if its joints are in order along each limb, names and places
+agree on left and right, and the bones and the pose are a person's. A doubtful one is only noted,
+and `rig_of` then refuses the motion. Doubts about a rig that names determine are noted, too.
 
 Those of the twenty joints that a rig lacks are added, if their positions are known. In many rigs a
 leg ends at the ankle, with the toes as its End Site, or one bone connects the hips with the chest
@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from numpy_cae.mocap.rigs import rigs
-from numpy_cae.mocap.rigs.rigs import Mappings, Rig, RiggedMotion, UnknownRigError
+from numpy_cae.mocap.rigs.rigs import JointNames, Mappings, Rig, RiggedMotion, UnknownRigError
 from numpy_cae.mocap.rigs.suggest import suggest_mapping
 from numpy_cae.motion import JOINTS, PARENTS, Motion, Note, Skeleton
 from numpy_cae.motion.features import frame_lengths
@@ -34,7 +34,7 @@ _FEW = 4
 """A note lists the joints that the hierarchy gave if they are fewer than this."""
 
 
-def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
+def recognise_rig(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     """The motion with its rig, and with those of the twenty joints added that the rig lacks.
 
     Parameters
@@ -51,49 +51,73 @@ def recognised(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     Examples
     --------
     >>> from data_synth import make_take
-    >>> walk = recognised(make_take("walk", 1, seconds=1.0, rate=30.0).motion)
-    >>> walk.rig.known, walk.skeleton.names[walk.rig.found["left_hip"]]
+    >>> walk = recognise_rig(make_take("walk", 1, seconds=1.0, rate=30.0).motion)
+    >>> walk.rig.name, walk.skeleton.names[walk.rig.indices["left_hip"]]
     ('CMU Acclaim', 'lfemur')
     """
-    by_names = rigs.with_rig(motion, rigs.rig_by_names(motion.skeleton, mapping))
-    names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.found.items()}
-    named = with_added_joints(by_names, estimate=mapping is not None)
-    if not order_problem(named):
-        problem = "" if mapping else doubt(named)  # an animal's rig may have a person's names
-        return _noted(named, f"is this a person? {problem}" if problem else "", in_doubt=True)
+    by_names = rigs.attach_rig(motion, rigs.rig_by_names(motion.skeleton, mapping))
+    completed = add_missing_joints(by_names, estimate=mapping is not None)
+    if not find_order_problem(completed):
+        # An animal's rig may have a person's names.
+        doubt = "" if mapping else find_doubt(completed)
+        if doubt:
+            return _add_note(completed, f"is this a person? {doubt}", in_doubt=True)
+        return completed
+    names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.indices.items()}
+    proposed, doubt = _propose_rig(by_names, names)
+    if proposed is not None and not doubt:
+        return _add_note(proposed, _describe_ways(proposed, names))
+    estimated = add_missing_joints(by_names, estimate=True)
+    if not find_order_problem(estimated):
+        ways = _describe_ways(estimated, names)
+        text = f"is this a person? {find_doubt(estimated)}; {ways}"
+        return _add_note(estimated, text, in_doubt=True)
+    if proposed is not None and len(completed.rig.indices) < len(JOINTS):
+        return _add_note(completed, f"rig not recognised: {doubt}", in_doubt=True)
+    return completed
+
+
+def _propose_rig(by_names: RiggedMotion, names: JointNames) -> tuple[RiggedMotion | None, str]:
+    """The motion with the first rig that the hierarchy suggests without a doubt, or else with the
+    last one that it suggests, and the doubt about that; None if it suggests nothing.
+
+    `names` are the joints' names in the rig `by_names`; they are tried together with the
+    suggestion.
+    """
+    skeleton = by_names.skeleton
     # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
-    offsets = np.median(motion.sampled(_POSES).translations, axis=0)
-    suggested = suggest_mapping(replace(motion.skeleton, offsets=offsets))
-    problem = ""
-    for candidate in filter(None, (suggested | names, names, suggested)):
-        rig = rigs.rig_by_names(motion.skeleton, candidate | by_names.rig.given)
-        proposed = with_added_joints(rigs.with_rig(motion, rig), estimate=True)
-        problem = doubt(proposed)
-        if not problem:
-            return _noted(proposed, _how_found(proposed, names))
-    estimated = with_added_joints(by_names, estimate=True)
-    if not order_problem(estimated):
-        text = f"is this a person? {doubt(estimated)}; {_how_found(estimated, names)}"
-        return _noted(estimated, text, in_doubt=True)
-    is_unknown = problem and len(named.rig.found) < len(JOINTS)
-    return _noted(named, f"rig not recognised: {problem}" if is_unknown else "", in_doubt=True)
+    offsets = np.median(by_names.sampled(_POSES).translations, axis=0)
+    suggested = suggest_mapping(replace(skeleton, offsets=offsets))
+    proposed = None
+    doubt = ""
+    for candidate in (suggested | names, names, suggested):
+        if not candidate:
+            continue
+        rig = rigs.rig_by_names(skeleton, candidate | by_names.rig.mapping)
+        proposed = add_missing_joints(rigs.attach_rig(by_names, rig), estimate=True)
+        doubt = find_doubt(proposed)
+        if not doubt:
+            break
+    return proposed, doubt
 
 
-def _noted(motion: RiggedMotion, text: str, in_doubt: bool = False) -> RiggedMotion:
-    """The motion with a note on its rig, if the text is not empty."""
-    note = Note("rig", text, in_doubt)
-    return replace(motion, notes=(*motion.notes, note)) if text else motion
+def _add_note(motion: RiggedMotion, text: str, in_doubt: bool = False) -> RiggedMotion:
+    """The motion with a note on its rig."""
+    return replace(motion, notes=(*motion.notes, Note("rig", text, in_doubt)))
 
 
-def _how_found(motion: RiggedMotion, names: dict[str, str]) -> str:
-    """How the joints were found, for a person; `names` are those that a known rig's names gave."""
+def _describe_ways(motion: RiggedMotion, names: JointNames) -> str:
+    """How the joints were found, for a person; `names` are those that a common rig's names gave."""
     rig = motion.rig
-    by_hierarchy = [joint for joint, name in rig.given.items() if names.get(joint) != name]
-    added = [joint for joint in JOINTS if rig.found[joint] in rig.added]
-    many = len(by_hierarchy) >= _FEW
-    listed = f"{len(by_hierarchy)} joints" if many else ", ".join(by_hierarchy)
-    ways = [f"{listed} found by the hierarchy"] if by_hierarchy else []
-    ways += [f"{', '.join(added)} added"] if added else []
+    by_hierarchy = [joint for joint, name in rig.mapping.items() if names.get(joint) != name]
+    added = [joint for joint in JOINTS if rig.indices[joint] in rig.added]
+    ways = []
+    if len(by_hierarchy) >= _FEW:
+        ways.append(f"{len(by_hierarchy)} joints found by the hierarchy")
+    elif by_hierarchy:
+        ways.append(f"{', '.join(by_hierarchy)} found by the hierarchy")
+    if added:
+        ways.append(f"{', '.join(added)} added")
     return f"{' and '.join(ways)}: `numpy-cae rig` lists the joints"
 
 
@@ -122,7 +146,7 @@ def rig_of(motion: Motion) -> Rig:
     >>> [walk.skeleton.names[joint] for joint in rig_of(walk).joints[:4]]
     ['root', 'upperback', 'thorax', 'head']
     """
-    return _complete(rigs.own_rig(motion), motion.skeleton)
+    return _require_all(rigs.partial_rig_of(motion), motion.skeleton)
 
 
 def find_joints(skeleton: Skeleton) -> list[int]:
@@ -150,18 +174,21 @@ def find_joints(skeleton: Skeleton) -> list[int]:
     >>> [skeleton.names[joint] for joint in find_joints(skeleton)[:4]]  # hips, spine, chest, head
     ['root', 'upperback', 'thorax', 'head']
     """
-    return _complete(rigs.rig_by_names(skeleton), skeleton).joints
+    return _require_all(rigs.rig_by_names(skeleton), skeleton).joints
 
 
-def _complete(rig: Rig, skeleton: Skeleton) -> Rig:
+def _require_all(rig: Rig, skeleton: Skeleton) -> Rig:
     """The rig; UnknownRigError if one of the twenty joints is missing."""
-    if len(rig.found) == len(JOINTS):
+    if len(rig.indices) == len(JOINTS):
         return rig
-    names = {joint: rigs.RIGS[rig.known].get(joint, (joint,))[0] for joint in JOINTS} | rig.given
-    missing = [joint for joint in JOINTS if joint not in rig.found]
+    usual_names = {joint: rigs.RIGS[rig.name].get(joint, (joint,))[0] for joint in JOINTS}
+    names = usual_names | rig.mapping
+    missing = [joint for joint in JOINTS if joint not in rig.indices]
     sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in missing)
-    listed = ", ".join([*skeleton.names[:_LISTED], *(["…"] if skeleton.names[_LISTED:] else [])])
-    problem = f"the rig has no {sought}; it has {listed}. "
+    listed = list(skeleton.names[:_LISTED])
+    if len(skeleton.names) > _LISTED:
+        listed.append("…")
+    problem = f"the rig has no {sought}; it has {', '.join(listed)}. "
     suggestion = suggest_mapping(skeleton)
     if suggestion:
         problem += f"Its hierarchy suggests {json.dumps(suggestion, ensure_ascii=False)}: "
@@ -194,12 +221,13 @@ def joint_index(name: str, motion: Motion) -> int:
     """
     if name in JOINTS:
         return JOINTS.index(name)
-    own_names = [motion.skeleton.names[joint] for joint in rig_of(motion).joints]
+    rig_names = [motion.skeleton.names[joint] for joint in rig_of(motion).joints]
     for form in (str, str.lower, rigs.plain_name):
-        forms = [form(other) for other in own_names]
+        forms = [form(rig_name) for rig_name in rig_names]
         if form(name) in forms:
             return forms.index(form(name))
-    pairs = ", ".join(f"{ours} ({rigs})" for ours, rigs in zip(JOINTS, own_names, strict=True))
+    names = zip(JOINTS, rig_names, strict=True)
+    pairs = ", ".join(f"{our_name} ({rig_name})" for our_name, rig_name in names)
     if name in motion.skeleton.names:
         raise UnknownRigError(f"joint {name!r} is not among the twenty, which are {pairs}")
     raise UnknownRigError(f"there is no joint {name!r}; the twenty are {pairs}")
@@ -223,13 +251,13 @@ they end; the trunk ends at the chest and begins at the hips. In the files of fi
 ratios are 0.9 to 1.3, 1.0 to 1.7, 1.4 to 1.7, 1.5 to 2.1 and 0.5 to 0.8."""
 
 
-def order_problem(motion: RiggedMotion) -> str:
+def find_order_problem(motion: RiggedMotion) -> str:
     """Which of the twenty joints were not found, or does not descend from its parent in the rig, or
     from the next one if the file lacks the parent; empty if all do."""
     joints = motion.rig.joints
     if len(set(joints)) < len(JOINTS):
         return f"only {len(set(joints))} of the 20 joints were found"
-    for joint, parent in list(enumerate(PARENTS))[1:]:
+    for joint, parent in enumerate(PARENTS[1:], start=1):
         while joints[parent] in motion.rig.added:
             parent = PARENTS[parent]
         if joints[parent] not in motion.skeleton.path(joints[joint])[1:]:
@@ -237,9 +265,9 @@ def order_problem(motion: RiggedMotion) -> str:
     return ""
 
 
-def doubt(motion: RiggedMotion) -> str:
+def find_doubt(motion: RiggedMotion) -> str:
     """Why a rig's twenty joints may not be these; empty if there is no reason."""
-    problem = order_problem(motion)
+    problem = find_order_problem(motion)
     if problem:
         return problem
     poses = motion.sampled(_POSES)
@@ -247,49 +275,57 @@ def doubt(motion: RiggedMotion) -> str:
     joints = motion.rig.joints
     body = np.concatenate([rest.rest_positions()[None, joints], poses.positions(joints)])
     at = {joint: body[:, index] for index, joint in enumerate(JOINTS)}
-    return (
-        _side_problem(motion, at)
-        or _length_problem(at, np.median(frame_lengths(body), axis=0))
-        or ("" if _mostly(_stands(at)) else "neither the rest pose nor most others are upright")
-    )
+    problem = _find_side_problem(motion, at)
+    if not problem:
+        problem = _find_length_problem(at, np.median(frame_lengths(body), axis=0))
+    if not problem and not _is_usual(_stands(at)):
+        problem = "neither the rest pose nor most others are upright"
+    return problem
 
 
-def _mostly(in_pose: np.ndarray) -> bool:
+def _is_usual(in_pose: np.ndarray) -> bool:
     """Whether something is so in the rest pose, which is the first one, or in most other poses."""
     return bool(in_pose[0] or np.mean(in_pose[1:]) > 0.5)
 
 
-def _side_problem(motion: RiggedMotion, at: dict[str, np.ndarray]) -> str:
+def _find_side_problem(motion: RiggedMotion, at: dict[str, np.ndarray]) -> str:
+    """Why left and right may be exchanged, from the joints' names and positions (N, 3) by joint."""
     across = at["left_hip"] - at["right_hip"]
     shoulders = at["left_shoulder"] - at["right_shoulder"]
-    if not _mostly(np.sum(across * shoulders, axis=-1) > 0):
+    if not _is_usual(np.sum(across * shoulders, axis=-1) > 0):
         return "an arm and a leg of one side are on different sides"
-    name = {our: motion.skeleton.names[joint] for our, joint in motion.rig.found.items()}
-    own = [our for our in JOINTS if motion.rig.found[our] not in motion.rig.added]
-    lefts = [our for our in own if our.startswith("left")]
-    sides = [rigs.left_or_right(name[our], name[our.replace("left", "right")]) for our in lefts]
-    if "right" in sides:
-        return f"{name[lefts[sides.index('right')]]} does not sound like the left side"
+    indices = motion.rig.indices
+    names = {joint: motion.skeleton.names[index] for joint, index in indices.items()}
+    sides = []
+    for joint in JOINTS:
+        if not joint.startswith("left") or indices[joint] in motion.rig.added:
+            continue
+        side = rigs.left_or_right(names[joint], names[joint.replace("left", "right")])
+        if side == "right":
+            return f"{names[joint]} does not sound like the left side"
+        sides.append(side)
     if "" not in sides:
         return ""
-    if "left_toe" not in own:
+    if indices["left_toe"] in motion.rig.added:
         return "neither names nor toes tell left from right"
     forward = at["left_toe"] - at["left_ankle"] + at["right_toe"] - at["right_ankle"]
     left = np.cross(at["chest"] - at["hips"], forward)
-    return "" if _mostly(np.sum(left * across, axis=-1) > 0) else "the toes point backwards"
+    return "" if _is_usual(np.sum(left * across, axis=-1) > 0) else "the toes point backwards"
 
 
-def _length_problem(at: dict[str, np.ndarray], lengths: np.ndarray) -> str:
+def _find_length_problem(at: dict[str, np.ndarray], lengths: np.ndarray) -> str:
+    """Which bones, of these lengths (20,), are not as long as a person's beside others."""
     length = dict(zip(JOINTS, lengths.tolist(), strict=True))
     trunk = np.linalg.norm(at["chest"] - at["hips"], axis=-1)
     mean = {"trunk": float(np.median(trunk))}
     for joint in ("elbow", "wrist", "knee", "ankle"):
-        left, right = length[f"left_{joint}"], length[f"right_{joint}"]
+        left = length[f"left_{joint}"]
+        right = length[f"right_{joint}"]
         if not max(left, right) <= UNEQUAL_RATIO * min(left, right):
             return f"the bones to left_{joint} and right_{joint} are not equally long"
         mean[joint] = (left + right) / 2
-    for bones, (one, other, least, most) in RATIOS.items():
-        ratio = mean[one] / max(mean[other], 1e-9)
+    for bones, (first, second, least, most) in RATIOS.items():
+        ratio = mean[first] / max(mean[second], 1e-9)
         if not least <= ratio <= most:
             return f"the ratio of {bones} is {ratio:.2g}, a person's is {least:g} to {most:g}"
     return ""
@@ -314,26 +350,35 @@ _BETWEEN = {
 shares are those of CMU's rig."""
 
 
-_TOE, _HEAD = 0.33, 0.6
+_TOE = 0.33
+_HEAD = 0.6
 """The distance from the ankle to an added toe in shins, and from the chest to an added head in
 thighs; in the files of five sources they are 0.23 to 0.5 and 0.45 to 0.75."""
 _SHORT_SHARE = 0.1
 """An End Site nearer to the ankle than this part of the shin is no toe."""
 
 
-def with_added_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMotion:
+def add_missing_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMotion:
     """The motion with the missing ones of the twenty joints added after its own joints.
 
     The same motion if the position of a missing joint is not known. If `estimate`, toes and a head
     without an End Site are added at a person's distance.
     """
     rig = motion.rig
-    missing = [joint for joint in JOINTS if joint not in rig.found]
-    parents = [rig.found.get(JOINTS[PARENTS[JOINTS.index(joint)]], -1) for joint in missing]
-    ends = zip(missing, parents, strict=True)
-    offsets = [_offset(motion, joint, parent, estimate) for joint, parent in ends]
-    if not missing or -1 in parents or not all(offset.any() for offset in offsets):
+    missing = [joint for joint in JOINTS if joint not in rig.indices]
+    if not missing:
         return motion
+    parents = []
+    offsets = []
+    for joint in missing:
+        parent = rig.indices.get(JOINTS[PARENTS[JOINTS.index(joint)]])
+        if parent is None:
+            return motion
+        offset = _offset(motion, joint, parent, estimate)
+        if not offset.any():
+            return motion
+        parents.append(parent)
+        offsets.append(offset)
     skeleton = motion.skeleton
     extended = replace(
         skeleton,
@@ -344,38 +389,40 @@ def with_added_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMot
     added = range(len(skeleton.names), len(extended.names))
     still = np.tile(IDENTITY, (len(motion), len(missing), 1))
     places = np.tile(offsets, (len(motion), 1, 1))
-    found = rig.found | dict(zip(missing, added, strict=True))
+    indices = rig.indices | dict(zip(missing, added, strict=True))
     return replace(
         motion,
         skeleton=extended,
         rotations=np.concatenate([motion.rotations, still], axis=1),
         translations=np.concatenate([motion.translations, places], axis=1),
-        rig=replace(rig, found=found, added=tuple(added)),
+        rig=replace(rig, indices=indices, added=tuple(added)),
     )
 
 
 def _offset(motion: RiggedMotion, joint: str, parent: int, estimate: bool) -> np.ndarray:
     """The offset of a missing joint from its parent in the rig; zero if it is not known."""
     end, part = _BETWEEN.get(joint, ("", 0.0))
-    end_joint = motion.rig.found.get(end, 0)
+    end_joint = motion.rig.indices.get(end, 0)
     if end and motion.skeleton.parents[end_joint] == parent:
         return part * np.nanmean(motion.translations[:, end_joint], axis=0)
     if JOINTS.index(joint) in PARENTS:
         return np.zeros(3)
     end_site = motion.skeleton.end_sites.get(parent, np.zeros(3))
     is_estimated = estimate and not joint.endswith("wrist")
-    return _estimated(motion, joint, parent, end_site) if is_estimated else end_site
+    return _estimate_offset(motion, joint, parent, end_site) if is_estimated else end_site
 
 
-def _estimated(motion: RiggedMotion, joint: str, parent: int, end_site: np.ndarray) -> np.ndarray:
+def _estimate_offset(
+    motion: RiggedMotion, joint: str, parent: int, end_site: np.ndarray
+) -> np.ndarray:
     """The offset of a toe from the ankle or the head from the chest: that of its End Site, or if it
     is too short or missing, the median of some poses; zero if the joints around it are missing."""
     side = "left" if joint == "head" else joint.removesuffix("_toe")
     around = ("hips", "chest", "left_hip", "right_hip", f"{side}_knee", f"{side}_ankle")
-    if not set(around) <= set(motion.rig.found):
+    if not set(around) <= set(motion.rig.indices):
         return np.zeros(3)
     positions, rotations = motion.sampled(_POSES).forward_kinematics()
-    joints = [motion.rig.found[name] for name in around]
+    joints = [motion.rig.indices[name] for name in around]
     hips, chest, left, right, knee, ankle = positions[:, joints].swapaxes(0, 1)
     if joint == "head":
         distance = _HEAD * np.linalg.norm(knee - left, axis=-1, keepdims=True)

@@ -1,6 +1,6 @@
 """The rig of a motion: where its skeleton has the twenty joints, found by names.
 
-The user's names come first, then those of the known rig that fits best. When names are compared,
+The user's names come first, then those of the common rig that fits best. When names are compared,
 case, blanks, punctuation and a prefix up to a colon ("mixamorig:Hips") do not matter. In every rig,
 `chest` is the joint that carries the collars, and `spine` is the joint nearest to the middle
 between hips and chest; both follow from the hierarchy if the names do not tell.
@@ -29,6 +29,7 @@ import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.motion import JOINTS, Motion, Skeleton
+from numpy_cae.motion.joints import SIDES
 
 Names = dict[str, tuple[str, ...]]
 """For each of our joint names, the names that it may have in a rig, the usual one first."""
@@ -41,21 +42,21 @@ def _rig(trunk: str, limbs: str, sides: str, prefixes: str = "") -> Names:
     trunk_names = trunk.split()
     joints = ("hips", "head") if len(trunk_names) == 2 else ("hips", "spine", "chest", "head")
     names = {joint: text.split("|") for joint, text in zip(joints, trunk_names, strict=True)}
-    for side, patterns in zip(("left", "right"), sides.split(), strict=True):
+    for side, patterns in zip(SIDES, sides.split(), strict=True):
         for joint, text in zip(_LIMBS, limbs.split(), strict=True):
             options = product(patterns.split("|"), text.split("|"))
             names[f"{side}_{joint}"] = [pattern.format(name) for pattern, name in options]
-    return {
-        joint: tuple(prefix + name for prefix, name in product(prefixes.split("|"), text))
-        for joint, text in names.items()
-    }
+    table = {}
+    for joint, alternatives in names.items():
+        options = product(prefixes.split("|"), alternatives)
+        table[joint] = tuple(prefix + name for prefix, name in options)
+    return table
 
 
-_KNOWN = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
-RIGS: dict[str, Names] = {
-    "numpy_cae": {joint: (joint,) for joint in JOINTS},
-    **{rig: _rig(**patterns) for rig, patterns in _KNOWN.items()},
-}
+_FILE = Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
+RIGS: dict[str, Names] = {"numpy_cae": {joint: (joint,) for joint in JOINTS}}
+RIGS |= {rig_name: _rig(**patterns) for rig_name, patterns in json.loads(_FILE).items()}
+"""The common rigs by name."""
 
 
 JointNames = dict[str, str]
@@ -81,26 +82,26 @@ class Rig:
 
     Parameters
     ----------
-    found : dict of str to int
-        Of each of `JOINTS` that was found the index in the skeleton.
-    known : str
-        The known rig that fits best.
-    given : dict of str to str
+    indices : dict of str to int
+        The index in the skeleton of each of `JOINTS` that was found.
+    name : str
+        The name in `RIGS` of the common rig that fits best.
+    mapping : dict of str to str
         The names that the user, or else the hierarchy, gave some of the twenty joints.
     added : tuple of int
         Indices of joints, the last ones of the skeleton, that the file lacks (`with_added_joints`).
     """
 
-    found: dict[str, int]
-    known: str
-    given: JointNames
+    indices: dict[str, int]
+    name: str
+    mapping: JointNames
     added: tuple[int, ...] = ()
 
     @cached_property
     def joints(self) -> list[int]:
         """The indices of the twenty joints in the skeleton, in the order of `JOINTS`; of a rig that
         lacks some, of those that were found."""
-        return [self.found[joint] for joint in JOINTS if joint in self.found]
+        return [self.indices[joint] for joint in JOINTS if joint in self.indices]
 
 
 @dataclass(frozen=True, repr=False, kw_only=True, eq=False)
@@ -121,83 +122,132 @@ class RiggedMotion(Motion):
 
 
 def rig_by_names(skeleton: Skeleton, mapping: Mappings = None) -> Rig:
-    """The rig of a skeleton, which may lack joints, by the user's names and those of known rigs.
+    """The rig of a skeleton, which may lack joints, by the user's names and those of common rigs.
 
     A skeleton fits a mapping if it has all names in it. If there are several mappings, the first
     one that fits is used, or none if none fits.
     """
-    plain = _plain_names(skeleton)
-    exact = {name: joint for joint, name in enumerate(skeleton.names)}
-
-    def index(name: str) -> int | None:
-        return exact.get(name, plain.get(plain_name(name)))
-
+    names = _NamesOf(skeleton)
     if not isinstance(mapping, dict):
-        fitting = (names for names in mapping or [] if None not in map(index, names.values()))
-        mapping = next(fitting, {})
-    present = {joint: at for joint, name in mapping.items() if (at := index(name)) is not None}
-    # The alternatives are reversed, so that the first one that the skeleton has is set last.
-    present_in = {
-        rig: {j: plain[n] for j, names in table.items() for n in names[::-1] if n in plain}
-        for rig, table in _PLAIN_RIGS.items()
-    }
+        mapping = names.first_fitting(mapping or [])
+    named = names.find(mapping)
+    indices_in = {rig_name: names.find_plain(table) for rig_name, table in _PLAIN_RIGS.items()}
     # The rig with the fewest missing joints; if several are equal, the one with the most found.
-    best = min(RIGS, key=lambda rig: (len(RIGS[rig]) - len(present_in[rig]), -len(present_in[rig])))
-    free = {j: at for j, at in present_in[best].items() if at not in present.values()}
-    found = {joint: at for joint, at in free.items() if joint not in mapping} | present
-    add_trunk(skeleton, found, set(mapping))
-    return Rig(found, best, mapping)
+    best = min(
+        RIGS, key=lambda name: (len(RIGS[name]) - len(indices_in[name]), -len(indices_in[name]))
+    )
+    indices = {}
+    for joint, index in indices_in[best].items():
+        if joint not in mapping and index not in named.values():
+            indices[joint] = index
+    indices |= named
+    add_trunk(skeleton, indices, set(mapping))
+    return Rig(indices, best, mapping)
 
 
-def with_rig(motion: Motion, rig: Rig) -> RiggedMotion:
+class _NamesOf:
+    """The joints of a skeleton by name, as it is or plain."""
+
+    def __init__(self, skeleton: Skeleton):
+        self._exact = {name: index for index, name in enumerate(skeleton.names)}
+        self._plain = _plain_names(skeleton)
+
+    def index(self, name: str) -> int | None:
+        """The index of the joint with a name; None if there is none."""
+        return self._exact.get(name, self._plain.get(plain_name(name)))
+
+    def first_fitting(self, mappings: Sequence[JointNames]) -> JointNames:
+        """The first mapping of which the skeleton has all names, or an empty one."""
+        for mapping in mappings:
+            if all(self.index(name) is not None for name in mapping.values()):
+                return mapping
+        return {}
+
+    def find(self, mapping: JointNames) -> dict[str, int]:
+        """The indices of the joints of a mapping that the skeleton has."""
+        indices = {}
+        for joint, name in mapping.items():
+            index = self.index(name)
+            if index is not None:
+                indices[joint] = index
+        return indices
+
+    def find_plain(self, table: Names) -> dict[str, int]:
+        """The indices of the joints of a table of plain names, by the first of the alternatives
+        that the skeleton has."""
+        indices = {}
+        for joint, alternatives in table.items():
+            present = [name for name in alternatives if name in self._plain]
+            if present:
+                indices[joint] = self._plain[present[0]]
+        return indices
+
+
+def attach_rig(motion: Motion, rig: Rig) -> RiggedMotion:
     """The motion with a rig instead of the one that it may have."""
     parts = {field.name: getattr(motion, field.name) for field in fields(Motion)}
     return RiggedMotion(**parts, rig=rig)
 
 
-def own_rig(motion: Motion) -> Rig:
+def partial_rig_of(motion: Motion) -> Rig:
     """The rig of a motion, which may lack joints: its own, or else the one that names give."""
     return motion.rig if isinstance(motion, RiggedMotion) else rig_by_names(motion.skeleton)
 
 
-def add_trunk(skeleton: Skeleton, found: dict[str, int], named: set[str]) -> None:
-    """Find chest and spine by hierarchy if they are missing or the collars begin above the chest.
+def add_trunk(skeleton: Skeleton, indices: dict[str, int], named: set[str]) -> None:
+    """Find chest and spine by hierarchy if they are missing or the collars begin above the chest,
+    and put their indices into `indices`.
 
     The joints that the user `named` are not changed.
     """
-    arms = next((f"{{}}_{arm}" for arm in ("collar", "shoulder") if f"left_{arm}" in found), None)
-    if arms is None or arms.format("right") not in found or "hips" not in found:
+    arms = _first_arm_joints(indices)
+    if arms is None or "hips" not in indices:
         return
-    left, right = (skeleton.path(found[arms.format(side)]) for side in ("left", "right"))
+    left, right = (skeleton.path(arm) for arm in arms)
     carrier = next((joint for joint in left[1:] if joint in right[1:]), -1)
     ancestors = skeleton.path(carrier)[1:] if carrier >= 0 else []
-    if "chest" not in named and found.get("chest", found["hips"]) in ancestors:
-        found["chest"] = carrier
+    if "chest" not in named and indices.get("chest", indices["hips"]) in ancestors:
+        indices["chest"] = carrier
         if "spine" not in named:
-            found.pop("spine", None)
-    if {"chest", "spine"} & (named | set(found)) != {"chest"} or found["hips"] not in ancestors:
+            indices.pop("spine", None)
+    has_chest_alone = {"chest", "spine"} & (named | set(indices)) == {"chest"}
+    if not has_chest_alone or indices["hips"] not in ancestors:
         return
-    between = ancestors[: ancestors.index(found["hips"])]
+    between = ancestors[: ancestors.index(indices["hips"])]
     if between:
         lengths = np.linalg.norm(skeleton.offsets, axis=-1)
         # Distance from the chest down to each joint in between, and to the hips.
         down = np.cumsum(lengths[[carrier, *between]])
-        found["spine"] = between[int(np.argmin(np.abs(down[:-1] - down[-1] / 2)))]
+        indices["spine"] = between[int(np.argmin(np.abs(down[:-1] - down[-1] / 2)))]
+
+
+def _first_arm_joints(indices: dict[str, int]) -> tuple[int, int] | None:
+    """The left and the right collar, or the shoulders if there is no left collar; None if one of
+    the pair is missing."""
+    joint = "collar" if "left_collar" in indices else "shoulder"
+    left = indices.get(f"left_{joint}")
+    right = indices.get(f"right_{joint}")
+    if left is None or right is None:
+        return None
+    return left, right
 
 
 def _plain_names(skeleton: Skeleton) -> dict[str, int]:
     """Plain name -> index of the first joint that has it, with and without what all names begin and
     end with, or the number that a converter added to nearly all of them."""
     names = list(skeleton.names)
-    numbered = sum(bool(_NUMBER.search(name)) for name in names) >= _NEARLY_ALL * len(names)
-    cores = [_NUMBER.sub("", name) if numbered else name for name in names]
+    cores = names
+    if sum(bool(_NUMBER.search(name)) for name in names) >= _NEARLY_ALL * len(names):
+        cores = [_NUMBER.sub("", name) for name in names]
     begin = _common_words(cores)
     end = _common_words([name[::-1] for name in cores])
     cores = [name[begin : len(name) - end] for name in cores]
-    known: dict[str, int] = {}
+    plain: dict[str, int] = {}
     for forms in (cores, names):
-        known |= {plain_name(form): joint for joint, form in reversed(list(enumerate(forms)))}
-    return known
+        # In reverse order, so that the first joint with a name is set last.
+        for joint, form in reversed(list(enumerate(forms))):
+            plain[plain_name(form)] = joint
+    return plain
 
 
 def _common_words(texts: list[str]) -> int:
@@ -214,18 +264,19 @@ def plain_name(name: str) -> str:
     return re.sub(r"[\s_.\-]", "", name) or name
 
 
-def left_or_right(one: str, other: str) -> str:
-    """The side of joint `one` by its name and that of the same joint on the other side, such as
+def left_or_right(name: str, opposite: str) -> str:
+    """The side of a joint by its name and that of the same joint on the opposite side, such as
     "lShldr" and "rShldr": "left" or "right", or "" if the names do not tell."""
-    pairs = zip(one.lower(), other.lower(), strict=False)
+    pairs = zip(name.lower(), opposite.lower(), strict=False)
     differing = next((a + b for a, b in pairs if a != b), "")
     return {"lr": "left", "rl": "right"}.get(differing, "")
 
 
-_PLAIN_RIGS = {
-    rig: {joint: tuple(map(plain_name, names)) for joint, names in table.items()}
-    for rig, table in RIGS.items()
-}
+def _plain_table(table: Names) -> Names:
+    return {joint: tuple(map(plain_name, names)) for joint, names in table.items()}
+
+
+_PLAIN_RIGS = {rig_name: _plain_table(table) for rig_name, table in RIGS.items()}
 
 
 def read_mapping(path: str | Path) -> JointNames:

@@ -35,6 +35,8 @@ _NOT_A_JOINT = re.compile(r"twist|roll|[._]0\d\d$", re.IGNORECASE)
 _LEG = ("", "hip", "knee", "ankle", "toe")
 _ARM = ("collar", "shoulder", "elbow", "wrist", "")
 """Our names of the joints that `_limb` returns."""
+_Limb = tuple[int | None, ...]
+"""What `_limb` returns: five joints, or None where there is none."""
 _Pair = tuple[int, int, int]
 """The joint that carries a pair of limbs, and the first joint of each."""
 
@@ -51,49 +53,60 @@ def suggest_mapping(skeleton: Skeleton) -> dict[str, str]:
     if pairs is None:
         return {}
     legs, arms = pairs
-    found = {"hips": _meeting_joint(skeleton, legs[0], arms[0]), "chest": arms[0]}
+    indices = {"hips": _meeting_joint(skeleton, legs[0], arms[0]), "chest": arms[0]}
     limbs = {start: _limb(skeleton, chains[start]) for start in (*legs[1:], *arms[1:])}
-    left = _left(skeleton, [limbs[start][3:] for start in legs[1:]], found)
+    leftness = _leftness(skeleton, [limbs[start] for start in legs[1:]], indices)
     for names, pair in ((_LEG, legs), (_ARM, arms)):
-        for side, start in zip(SIDES, _left_first(skeleton, pair[1:], left), strict=True):
-            limb = zip(names, limbs[start], strict=True)
-            found |= {f"{side}_{name}": at for name, at in limb if name and at is not None}
+        starts = _left_first(skeleton, pair[1:], leftness)
+        for side, start in zip(SIDES, starts, strict=True):
+            indices |= _name_limb(side, names, limbs[start])
     necks = [chains[child] for child in skeleton.children(arms[0]) if child not in arms]
     if necks:
-        found["head"] = _head(skeleton, necks, reach)
-    add_trunk(skeleton, found, {"hips", "chest"})
-    return {joint: skeleton.names[found[joint]] for joint in JOINTS if joint in found}
+        indices["head"] = _head(skeleton, necks, reach)
+    add_trunk(skeleton, indices, {"hips", "chest"})
+    return {joint: skeleton.names[indices[joint]] for joint in JOINTS if joint in indices}
 
 
-def _left(skeleton: Skeleton, feet: list[tuple], found: dict[str, int]) -> np.ndarray:
-    """How far each joint is to the left in the rest pose, (J,), where toes tell the front; `feet`
-    are the ankle and the toe of both legs, or None."""
+def _name_limb(side: str, names: Sequence[str], limb: _Limb) -> dict[str, int]:
+    """The joints of a limb that has them, by our names."""
+    indices = {}
+    for name, joint in zip(names, limb, strict=True):
+        if name and joint is not None:
+            indices[f"{side}_{name}"] = joint
+    return indices
+
+
+def _leftness(skeleton: Skeleton, legs: list[_Limb], indices: dict[str, int]) -> np.ndarray:
+    """How far each joint is to the left in the rest pose, (J,), where toes tell the front."""
     places = skeleton.rest_positions()
-    steps = [places[toe] - places[ankle] for ankle, toe in feet if ankle and toe]
-    trunk = places[found["chest"]] - places[found["hips"]]
-    return places @ np.cross(trunk, sum(steps, np.zeros(3)))
+    forward = np.zeros(3)
+    for *_, ankle, toe in legs:
+        if ankle and toe:
+            forward += places[toe] - places[ankle]
+    trunk = places[indices["chest"]] - places[indices["hips"]]
+    return places @ np.cross(trunk, forward)
 
 
 def _legs_and_arms(skeleton: Skeleton, reach: list[float]) -> tuple[_Pair, _Pair] | None:
     """The two longest pairs of limbs of which the second begins on another branch than the first;
     None if there are none."""
     longest = 0.0
-    found = None
+    longest_pairs = None
     for legs, arms in product(_pairs(skeleton, reach), repeat=2):
         hips = _meeting_joint(skeleton, legs[0], arms[0])
         path = skeleton.path(legs[0])
         length = reach[legs[1]] + reach[arms[1]] - _length(skeleton, path[: path.index(hips)])
-        apart = hips != arms[0] and not set(legs[1:]) & set(skeleton.path(arms[0]))
-        if apart and length > longest:
+        on_other_branch = hips != arms[0] and not set(legs[1:]) & set(skeleton.path(arms[0]))
+        if on_other_branch and length > longest:
             longest = length
-            found = (legs, arms)
-    return found
+            longest_pairs = (legs, arms)
+    return longest_pairs
 
 
-def _meeting_joint(skeleton: Skeleton, one: int, other: int) -> int:
+def _meeting_joint(skeleton: Skeleton, first: int, second: int) -> int:
     """The joint at which the ways from two joints to the root meet."""
-    path = skeleton.path(other)
-    return next(joint for joint in skeleton.path(one) if joint in path)
+    path = skeleton.path(second)
+    return next(joint for joint in skeleton.path(first) if joint in path)
 
 
 def _length(skeleton: Skeleton, joints: list[int]) -> float:
@@ -120,13 +133,14 @@ def _pairs(skeleton: Skeleton, reach: list[float]) -> list[_Pair]:
     pairs = []
     for joint in range(len(reach)):
         long = [child for child in skeleton.children(joint) if reach[child] > least]
-        for one, other in combinations(long, 2):
-            if abs(reach[one] - reach[other]) <= _SAME_SHARE * max(reach[one], reach[other]):
-                pairs.append((joint, one, other))
+        for first, second in combinations(long, 2):
+            longer = max(reach[first], reach[second])
+            if abs(reach[first] - reach[second]) <= _SAME_SHARE * longer:
+                pairs.append((joint, first, second))
     return sorted(pairs, key=lambda pair: -reach[pair[1]] - reach[pair[2]])[:_MAX_PAIRS]
 
 
-def _limb(skeleton: Skeleton, chain: list[int]) -> tuple[int | None, ...]:
+def _limb(skeleton: Skeleton, chain: list[int]) -> _Limb:
     """The joint before a limb, its three joints and the next one, each None if there is none.
 
     They are collar, shoulder, elbow and wrist of an arm, or (after a None or another joint) hip,
