@@ -46,7 +46,7 @@ def load_motion(
 
     The motion is turned to Y up and its floor moved to 0; `Motion.up` and `Motion.floor` say how
     the file has them, and the writers restore that. Joints that the rig lacks and whose place is
-    known are added (`with_added_joints`).
+    known are added (`add_missing_joints`).
 
     Parameters
     ----------

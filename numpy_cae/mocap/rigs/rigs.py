@@ -89,7 +89,7 @@ class Rig:
     mapping : dict of str to str
         The names that the user, or else the hierarchy, gave some of the twenty joints.
     added : tuple of int
-        Indices of joints, the last ones of the skeleton, that the file lacks (`with_added_joints`).
+        Indices of joints, the last ones of the skeleton, that the file lacks (`add_missing_joints`).
     """
 
     indices: dict[str, int]
