@@ -33,9 +33,12 @@ def test_every_known_mistake_is_wrong_in_the_property_that_it_names(name):
 @pytest.mark.lessons
 @pytest.mark.parametrize("name", OWN)
 def test_every_known_mistake_is_recognised(name):
-    stated, right = {p.name: p for p in EXERCISES[name].properties}, EXERCISES[name].solution
+    exercise = EXERCISES[name]
+    property_named = {prop.name: prop for prop in exercise.properties}
+    diagnose = diagnose_exercise(exercise)
     for patch in patches_of(name):
-        named = diagnose_exercise(EXERCISES[name])(stated[patch.caught_by], wrong_function(patch, right))
+        wrong = wrong_function(patch, exercise.solution)
+        named = diagnose(property_named[patch.caught_by], wrong)
         assert named == patch.sentence or (name, patch.name) in SAME_VALUE, (patch.name, named)
 
 
