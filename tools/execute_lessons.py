@@ -19,6 +19,7 @@ import tempfile
 import tomllib
 from copy import deepcopy
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
@@ -135,13 +136,21 @@ def mine_before(lesson: Path) -> str:
 
     The milestone of lesson 07 comes after it and before lesson 07b.
     """
-    text = EMPTY
     name = re.sub(r"milestone_(\d+)", r"\1_~", lesson.name)
-    for path in find_lessons(lesson.parent):
-        if path.name < name:
-            for cell in filter(is_exercise, read_notebook(path)["cells"]):
-                text = with_definitions(text, cell["source"])
-    return re.sub("^ +### .* SOLUTION\n", "", text, flags=re.M)
+    earlier = [path for path in find_lessons(lesson.parent) if path.name < name]
+    return re.sub("^ +### .* SOLUTION\n", "", _mine_after(tuple(earlier)), flags=re.M)
+
+
+@cache
+def _mine_after(lessons: tuple[Path, ...]) -> str:
+    """The text of mine.py with the solutions of these lessons."""
+    if not lessons:
+        return EMPTY
+    *earlier, last = lessons
+    text = _mine_after(tuple(earlier))
+    for cell in filter(is_exercise, read_notebook(last)["cells"]):
+        text = with_definitions(text, cell["source"])
+    return text
 
 
 def set_points(notebook: dict) -> None:

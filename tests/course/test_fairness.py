@@ -34,7 +34,7 @@ def statements(source: str) -> str:
     return "\n".join(map(ast.unparse, functions))
 
 
-@pytest.mark.parametrize("share", [8, pytest.param(1, marks=pytest.mark.lessons)])
+@pytest.mark.parametrize("share", [12, pytest.param(1, marks=pytest.mark.lessons)])
 @pytest.mark.parametrize("name", EXERCISES)
 def test_every_exercise_is_solved_in_three_styles(name, share):
     """By default each style has every other case of a few."""

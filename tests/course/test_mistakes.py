@@ -66,7 +66,8 @@ def test_gradients_in_another_order_and_a_missing_return_are_named(name, of_grad
         value, pullback = EXERCISES[name].solution(*arguments)
         return value, lambda dy: of_gradients(*pullback(dy))
 
-    first = replace(EXERCISES[name], properties=EXERCISES[name].properties[:3])
+    few = tuple(replace(p, examples=4) for p in EXERCISES[name].properties[:3])
+    first = replace(EXERCISES[name], properties=few)
     assert said in " ".join(str(report(first, changed)).split())
 
 
