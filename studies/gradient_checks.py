@@ -20,7 +20,7 @@ import numpy as np
 
 from numpy_cae import verify
 from numpy_cae.verify import check_gradients
-from numpy_cae.verify.checks.call import leaves, rebuilt
+from numpy_cae.verify.checks.leaves import leaves, rebuild
 from studies.gradients.cases import RIGHT, WRONG
 from studies.gradients.published import PublishedOperation, historical_bugs, layers
 from studies.shared.result import Result, Table
@@ -135,7 +135,7 @@ def with_arrays(f: Callable, inputs: tuple) -> tuple[Callable, tuple]:
         return f, inputs
 
     def of_arrays(*arrays):
-        value, pullback = f(*rebuilt(inputs, iter(arrays)))
+        value, pullback = f(*rebuild(inputs, iter(arrays)))
         return value, lambda dy: tuple(leaf for _, leaf in leaves("", pullback(dy)))
 
     return of_arrays, tuple(map(np.array, arrays))

@@ -13,7 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from numpy_cae.course.catalogue import EXERCISES
-from numpy_cae.verify.operations.trial import failing_case, try_property
+from numpy_cae.verify.operations.counterexample import failing_case
+from numpy_cae.verify.operations.trial import try_property
 from tools.right_answers import answer
 
 SLIPS = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))

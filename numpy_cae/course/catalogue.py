@@ -10,15 +10,15 @@ from dataclasses import replace
 from numpy_cae.course.exercises.exercise import ENTRIES, MAKES, exercises_of
 from numpy_cae.course.likely_mistakes import diagnose_exercise
 from numpy_cae.course.points import share_points
-from numpy_cae.verify.operations import catalogue as operations
-from numpy_cae.verify.operations.catalogue import Exercise
+from numpy_cae.verify.operations import operation_catalogue
+from numpy_cae.verify.operations.operation_catalogue import Exercise
 
 
 def with_points(exercise: Exercise, total: int) -> Exercise:
     """The exercise with its points, and with the function that names a mistake in it."""
     points = share_points(exercise.properties, total)
     diagnose = None
-    if exercise.name not in operations.CATALOGUE:
+    if exercise.name not in operation_catalogue.CATALOGUE:
         diagnose = diagnose_exercise(exercise)
     properties = [
         replace(tested, points=number, diagnose=diagnose)
@@ -39,7 +39,7 @@ EXERCISES: dict[str, Exercise] = {
     exercise.name: exercise for exercises in LESSONS.values() for exercise in exercises
 }
 
-CATALOGUE = {**operations.CATALOGUE, **EXERCISES}
+CATALOGUE = {**operation_catalogue.CATALOGUE, **EXERCISES}
 
 ASSIGNMENTS = {
     number: tuple(exercise.name for exercise in exercises) for number, exercises in LESSONS.items()

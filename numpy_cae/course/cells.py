@@ -10,7 +10,7 @@ from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.course.mine_file import FILE, NotSavedError, nbgrader_runs, read_mine, run_mine, save
 from numpy_cae.course.stand_in import attempt_of, is_stand_in, stand_in, unsolved
 from numpy_cae.verify.grading import report as grading
-from numpy_cae.verify.operations import catalogue
+from numpy_cae.verify.operations import operation_catalogue
 
 
 def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
@@ -29,7 +29,7 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
     After a first attempt, `hint=1` adds a hint to the report and `hint=2` a second one. Raises a
     ValueError if there is no such operation or exercise, or no such hint.
     """
-    exercise = catalogue.find_exercise(name, CATALOGUE)
+    exercise = operation_catalogue.find_exercise(name, CATALOGUE)
     called = None
     if is_stand_in(function):
         called = name
@@ -78,8 +78,8 @@ def example(name: str, seed: int, **sizes: int) -> dict[str, object]:
 
     Raises a ValueError if there is no such operation or exercise, or a size is missing.
     """
-    exercise = catalogue.find_exercise(name, CATALOGUE)
-    return catalogue.example(exercise, seed, **sizes).arguments
+    exercise = operation_catalogue.find_exercise(name, CATALOGUE)
+    return operation_catalogue.example(exercise, seed, **sizes).arguments
 
 
 def progress() -> None:

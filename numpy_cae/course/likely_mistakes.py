@@ -13,10 +13,11 @@ import numpy as np
 from numpy_cae.course.exercises.checks import arrays_in
 from numpy_cae.course.exercises.gradient_trials import VERDICTS
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.catalogue import Exercise
+from numpy_cae.verify.operations.counterexample import failing_case, failure
+from numpy_cae.verify.operations.diagnosis import SEVERAL, misplaced_gradient, same
+from numpy_cae.verify.operations.operation_catalogue import Exercise
 from numpy_cae.verify.operations.patch import Patch, patches_in
-from numpy_cae.verify.operations.property import Property, failing_case, failure
-from numpy_cae.verify.operations.trial import SEVERAL, misplaced_gradient, same
+from numpy_cae.verify.operations.property import Property
 
 FOLDER = Path(__file__).parent / "known_mistakes"
 SHOWN_BY = {VERDICTS.operation: VERDICTS}

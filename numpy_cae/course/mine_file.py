@@ -20,9 +20,9 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.course.stand_in import is_stand_in, stand_in
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.verify.checks.call import error_text, file_of
+from numpy_cae.verify.checks.messages import error_text, file_of
 from numpy_cae.verify.grading.submission import MAGIC
-from numpy_cae.verify.operations.property import failure
+from numpy_cae.verify.operations.counterexample import failure
 
 FILE = "mine.py"
 EMPTY = '''"""My functions. course.solved() writes a function here when all its properties hold.

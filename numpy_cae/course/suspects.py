@@ -1,8 +1,8 @@
 """The wrong operations of lesson 12: planted bugs, and those to be found by reading."""
 
-from numpy_cae.verify.operations.catalogue import properties_of_operation
+from numpy_cae.verify.operations.counterexample import failing_case
+from numpy_cae.verify.operations.operation_catalogue import properties_of_operation
 from numpy_cae.verify.operations.patch import BUGS, Patch, bug_named, bugs_of, conventions_of
-from numpy_cae.verify.operations.property import failing_case
 
 __all__ = ["BUGS", "SUSPECTS", "accuse", "bug_named", "bugs_of", "conventions_of"]
 

@@ -10,7 +10,7 @@ and `numpy-cae verify student.py` a file, in a process of its own.
 from numpy_cae.verify.adapters import of_cache, of_layer
 from numpy_cae.verify.checks.gradients import check_adjoint, check_gradients
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.operations.catalogue import example, properties
+from numpy_cae.verify.operations.operation_catalogue import example, properties
 from numpy_cae.verify.operations.own_operation import operation_test, properties_of
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.trial import check_property

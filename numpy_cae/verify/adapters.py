@@ -2,11 +2,15 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import REPEATED, Mismatch
+from numpy_cae.verify.checks.mismatch import REPEATED, Mismatch
+
+SAME_VALUE = 1e-5
+"""A layer used a second time has to return the same value up to so small a part of it."""
 
 
 def of_cache(forward: Callable, backward: Callable) -> Callable:
@@ -32,7 +36,7 @@ def of_cache(forward: Callable, backward: Callable) -> Callable:
     >>> verify.check_gradients(affine, np.ones((2, 3)), np.ones((3, 4)))
     """
 
-    def operation(*arrays):
+    def operation(*arrays: Any) -> tuple[Any, Callable]:
         value, cache = forward(*arrays)
         return value, lambda dy: backward(dy, cache)
 
@@ -98,48 +102,75 @@ def of_layer(
     ...     return verify.of_layer(Dense, x, weights={"w": w}, gradients=["dw"])
     >>> verify.check_gradients(dense, np.ones((2, 3)), np.ones((3, 4)))
     """
-    placed = {place: np.copy(array) for place, array in (weights or {}).items()}
-    kept = [np.copy(x) for x in inputs]
+    weights = {place: np.copy(array) for place, array in (weights or {}).items()}
     with _fixed_random_numbers():
-        layer = make()
+        layer = _Layer(make(), weights, gradients, forward, backward)
+    inputs_before = [np.copy(x) for x in inputs]
+    value = np.copy(layer.value_of(inputs))  # not of copies: a check sees whether they are altered
 
-    def value_of(*arrays: np.ndarray) -> object:
-        for place, array in placed.items():
-            _put(layer, place, array.copy())
-        with _fixed_random_numbers():
-            method = partial(forward, layer) if callable(forward) else getattr(layer, forward)
-            return method(*arrays)
-
-    value = np.copy(value_of(*inputs))
-
-    def pullback(dy):
-        again = value_of(*map(np.copy, kept))
-        if not np.allclose(again, value, rtol=1e-5, equal_nan=True):
+    def pullback(dy: np.ndarray) -> Any:
+        value_again = layer.value_of([x.copy() for x in inputs_before])
+        if not np.allclose(value_again, value, rtol=SAME_VALUE, equal_nan=True):
             text = "used a second time, the layer returns another value for the same input"
             raise Mismatch(REPEATED, "the value", text)
-        for place in gradients or ():
-            if isinstance(_at(layer, place), np.ndarray):
-                _put(layer, place, np.zeros_like(_at(layer, place)))
-        pulled = getattr(layer, backward)(dy)
-        pulled = pulled if isinstance(pulled, tuple | list) else (pulled,)
-        of_inputs = [g for x, g in zip(kept, pulled, strict=False) if x.dtype.kind == "f"]
-        of_weights = [np.copy(_at(layer, place)) for place in gradients or ()]
-        if gradients is None:
-            of_weights = [array - _at(layer, place) for place, array in placed.items()]
-        made = (*of_inputs, *of_weights)
-        return made if len(made) > 1 else made[0]
+        layer.clear_gradients()
+        all_gradients = layer.gradients_of_inputs(inputs_before, dy)
+        all_gradients += layer.gradients_of_weights()
+        return tuple(all_gradients) if len(all_gradients) > 1 else all_gradients[0]
 
     return value, pullback
 
 
-def _at(layer: object, place: str) -> object:
+@dataclass(frozen=True, eq=False)
+class _Layer:
+    """An object with its weights and the places of their gradients, as `of_layer` has them."""
+
+    layer: Any
+    weights: Mapping[str, np.ndarray]
+    gradients: Sequence[str] | None
+    forward: str | Callable
+    backward: str
+
+    def value_of(self, inputs: Sequence[np.ndarray]) -> Any:
+        """The value for some inputs, and for copies of the weights as they were given."""
+        for place, array in self.weights.items():
+            _put(self.layer, place, array.copy())
+        with _fixed_random_numbers():
+            if callable(self.forward):
+                return self.forward(self.layer, *inputs)
+            return getattr(self.layer, self.forward)(*inputs)
+
+    def clear_gradients(self) -> None:
+        """Set the gradients of the weights to 0, which some layers add to."""
+        for place in self.gradients or ():
+            gradient = _at(self.layer, place)
+            if isinstance(gradient, np.ndarray):
+                _put(self.layer, place, np.zeros_like(gradient))
+
+    def gradients_of_inputs(self, inputs: Sequence[np.ndarray], dy: np.ndarray) -> list:
+        """What the method backward returns for the inputs that are floats."""
+        pulled = getattr(self.layer, self.backward)(dy)
+        if not isinstance(pulled, tuple | list):
+            pulled = (pulled,)
+        pairs = zip(inputs, pulled, strict=False)
+        return [gradient for x, gradient in pairs if x.dtype.kind == "f"]
+
+    def gradients_of_weights(self) -> list:
+        """The gradients after a call of backward; without places, what it subtracted."""
+        if self.gradients is None:
+            return [array - _at(self.layer, place) for place, array in self.weights.items()]
+        return [np.copy(_at(self.layer, place)) for place in self.gradients]
+
+
+def _at(layer: Any, place: str) -> Any:
     """What is at a place such as "w" or "params.w", an attribute or an item; None if nothing is."""
     for name in place.split("."):
         layer = layer.get(name) if isinstance(layer, dict) else getattr(layer, name, None)
     return layer
 
 
-def _put(layer: object, place: str, array: np.ndarray) -> None:
+def _put(layer: Any, place: str, array: np.ndarray) -> None:
+    """Replace what is at a place."""
     *owner, name = place.split(".")
     holder = _at(layer, ".".join(owner)) if owner else layer
     if isinstance(holder, dict):

@@ -12,9 +12,10 @@ from numpy_cae.course.catalogue import EXERCISES, LESSONS
 from numpy_cae.course.exercises.exercise import hints_of, with_hint
 from numpy_cae.course.stand_in import stand_in
 from numpy_cae.models import ConvAutoencoder, ConvLayer, SequentialAutoencoder
-from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.operations.counterexample import failing_case
+from numpy_cae.verify.operations.operation_catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import read_patches
-from numpy_cae.verify.operations.trial import failing_case, try_property
+from numpy_cae.verify.operations.trial import try_property
 
 
 def with_attribute(model, name, value):

@@ -19,7 +19,7 @@ from numpy_cae.course.mine_file import run_mine
 from numpy_cae.course.notebooks import find_lessons, number_of, read_notebook, student_copy
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
-from numpy_cae.verify.operations.trial import failure
+from numpy_cae.verify.operations.counterexample import failure
 from tools.execute_lessons import mine_before
 from tools.right_answers import RIGHT_ANSWERS, answer
 

@@ -10,9 +10,9 @@ from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.likely_mistakes import diagnose_exercise, patches_of, wrong_function
 from numpy_cae.course.suspects import SUSPECTS, Suspect
 from numpy_cae.verify.grading.report import report
-from numpy_cae.verify.operations.catalogue import CATALOGUE as OPERATIONS
+from numpy_cae.verify.operations.counterexample import failing_case
+from numpy_cae.verify.operations.operation_catalogue import CATALOGUE as OPERATIONS
 from numpy_cae.verify.operations.patch import bugs_of
-from numpy_cae.verify.operations.property import failing_case
 
 OWN = [name for name in EXERCISES if name not in {*OPERATIONS, "accuse"}]
 SAME_VALUE = {("rescale", "naive")}  # the first property that fails does not tell it from another

@@ -11,8 +11,8 @@ import pytest
 import values_by_loops
 
 from numpy_cae import ops
-from numpy_cae.verify.operations.catalogue import CATALOGUE
 from numpy_cae.verify.operations.operation import OPERATIONS, tied_layer
+from numpy_cae.verify.operations.operation_catalogue import CATALOGUE
 from numpy_cae.verify.operations.shared_properties import own_properties, shared_properties
 from numpy_cae.verify.operations.trial import try_property
 

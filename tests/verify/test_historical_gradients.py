@@ -6,7 +6,7 @@ from inspect import getsource
 import pytest
 
 from numpy_cae import verify
-from numpy_cae.verify.operations.property import failing_case, failure
+from numpy_cae.verify.operations.counterexample import failing_case, failure
 from studies.gradients.published import historical_bugs, layers
 
 BUGS = historical_bugs()

@@ -9,8 +9,9 @@ from written_otherwise import conv1d_by_fft
 
 from numpy_cae import ops, verify
 from numpy_cae.verify.grading.report import holds
-from numpy_cae.verify.operations.catalogue import CATALOGUE
-from numpy_cae.verify.operations.trial import failure, try_property
+from numpy_cae.verify.operations.counterexample import failure
+from numpy_cae.verify.operations.operation_catalogue import CATALOGUE
+from numpy_cae.verify.operations.trial import try_property
 
 
 def failing(f, shapes, part=slice(None), **options):

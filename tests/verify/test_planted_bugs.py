@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from numpy_cae.verify.grading.report import holds
-from numpy_cae.verify.operations.catalogue import CATALOGUE
+from numpy_cae.verify.operations.operation_catalogue import CATALOGUE
 from numpy_cae.verify.operations.patch import BUGS, Patch, read_patches
 from numpy_cae.verify.operations.property import GRADIENT
 from numpy_cae.verify.operations.trial import try_property

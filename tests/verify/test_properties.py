@@ -5,8 +5,9 @@ import pytest
 from written_otherwise import RIGHT, conv1d_by_einsum, conv1d_by_fft, sliced_by_ranks
 
 from numpy_cae import verify
-from numpy_cae.verify.operations.case import VALUES, Case
-from numpy_cae.verify.operations.catalogue import CATALOGUE
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation_catalogue import CATALOGUE
+from numpy_cae.verify.operations.values import VALUES
 
 
 def test_every_property_draws_every_class_and_size_in_cases_of_its_own():

@@ -24,8 +24,10 @@ from numpy_cae.course.exercises.checks import Recorded
 from numpy_cae.course.solutions.building_blocks import to_features
 from numpy_cae.course.solutions.second_paper import block_matrices, unit_rows
 from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
-from numpy_cae.verify.operations.case import Case, spread
-from numpy_cae.verify.operations.operation import OPERATIONS, shape_of
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation import OPERATIONS
+from numpy_cae.verify.operations.shapes import shape_of
+from numpy_cae.verify.operations.values import spread
 
 Arguments = dict[str, Any]
 """The arguments of a call by name, in their order; a function that draws one gets those before."""

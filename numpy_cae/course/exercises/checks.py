@@ -12,12 +12,23 @@ from typing import Any
 
 import numpy as np
 
-from numpy_cae.verify.checks import call as calling
-from numpy_cae.verify.checks.call import Mismatch, leaves, rebuilt, require_shape
-from numpy_cae.verify.checks.gradients import wrong_gradients
-from numpy_cae.verify.operations.case import LAYOUTS, Case
-from numpy_cae.verify.operations.property import drawn_upstream, require_equal
-from numpy_cae.verify.operations.trial import same
+from numpy_cae.verify.checks.gradients import find_wrong_gradients
+from numpy_cae.verify.checks.leaves import all_leaves, leaves, rebuild
+from numpy_cae.verify.checks.mismatch import (
+    ALTERED,
+    COUNT,
+    DTYPE,
+    NUMBER,
+    OVERWRITTEN,
+    REPEATED,
+    Mismatch,
+    require_shape,
+)
+from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.compare import require_equal
+from numpy_cae.verify.operations.diagnosis import same
+from numpy_cae.verify.operations.upstream import draw_upstream
+from numpy_cae.verify.operations.values import LAYOUTS
 
 Names = tuple[str, ...]
 Part = str | Sequence[int] | None
@@ -41,12 +52,12 @@ def on_copies(check: Callable) -> Callable:
 
 def purity(draw, function, case, **arguments):
     """The property of every exercise whose arguments are arrays."""
-    before = calling.all_leaves(deepcopy([*arguments.values()]), [*arguments])
+    before = all_leaves(deepcopy([*arguments.values()]), [*arguments])
     function(*arguments.values())
-    after = calling.all_leaves([*arguments.values()], [*arguments])
+    after = all_leaves([*arguments.values()], [*arguments])
     for (part, array), (_, now) in zip(before, after, strict=True):
         if isinstance(array, np.ndarray) and not np.array_equal(now, array):
-            raise Mismatch(calling.ALTERED, part, f"the call changes {part}")
+            raise Mismatch(ALTERED, part, f"the call changes {part}")
 
 
 def strides(draw, function, case, **arguments):
@@ -55,7 +66,7 @@ def strides(draw, function, case, **arguments):
     returned = function(*_changed(arguments, LAYOUTS[case.get("layout")]))
     if not same(arrays_in(returned, case), expected):
         text = f"of arrays {case.get('layout')}, it returns something else than of copies of them"
-        raise Mismatch(calling.NUMBER, "the result", text)
+        raise Mismatch(NUMBER, "the result", text)
 
 
 def dtype(draw, function, case, **arguments):
@@ -63,7 +74,7 @@ def dtype(draw, function, case, **arguments):
     narrowed = _changed(arguments, lambda a: a.astype(np.float32) if a.dtype == np.float64 else a)
     for result in numbers_in(function(*narrowed), case):
         if getattr(result, "dtype", None) == np.float64:
-            raise Mismatch(calling.DTYPE, "the result", "given float32, a result is float64")
+            raise Mismatch(DTYPE, "the result", "given float32, a result is float64")
 
 
 def independence(draw, function, case, **arguments):
@@ -73,17 +84,17 @@ def independence(draw, function, case, **arguments):
     function(*draw(Case(case.sizes, case.seed + 1)).values())
     if not same(arrays_in(first, case), before):
         text = "after another call, what the first one returned is another"
-        raise Mismatch(calling.OVERWRITTEN, "the result", text)
+        raise Mismatch(OVERWRITTEN, "the result", text)
     if not same(arrays_in(function(*deepcopy(arguments).values()), case), before):
         text = "called again after a call with other arguments, it returns something else"
-        raise Mismatch(calling.REPEATED, "the result", text)
+        raise Mismatch(REPEATED, "the result", text)
 
 
 def _changed(arguments: Mapping[str, object], change: Callable) -> Iterator[object]:
     """The arguments with every array changed."""
     for name, argument in arguments.items():
         parts = (change(p) if isinstance(p, np.ndarray) else p for _, p in leaves(name, argument))
-        yield rebuilt(argument, parts)
+        yield rebuild(argument, parts)
 
 
 class Recorded:
@@ -164,7 +175,7 @@ def require_parts(returned, names) -> tuple | list:
     expected = f"expected {len(names)}: {', '.join(names)}"
     if isinstance(returned, tuple | list):
         count = f"the number of things that it returns is {len(returned)}"
-        raise Mismatch(calling.COUNT, "the number of things", f"{count}, {expected}")
+        raise Mismatch(COUNT, "the number of things", f"{count}, {expected}")
     raise TypeError(f"it returns {type(returned).__name__}, {expected}")
 
 
@@ -181,7 +192,7 @@ def numbers_in(thing: Any, case: Case) -> Iterator[Any]:
         yield from numbers_in([thing[name] for name in sorted(thing)], case)
     elif isinstance(thing, tuple) and len(thing) == 2 and callable(thing[1]):
         yield from numbers_in(thing[0], case)
-        yield from numbers_in(thing[1](drawn_upstream(case, thing[0])), case)
+        yield from numbers_in(thing[1](draw_upstream(case, thing[0])), case)
     elif isinstance(thing, list | tuple):
         for part in thing:
             yield from numbers_in(part, case)
@@ -209,14 +220,14 @@ def gradients_agree(
                 return results[0](upstream)
             gradients = [gradient for _, gradient in leaves("", results)]
             scaled = [None if g is None else upstream * g for g in gradients]
-            return rebuilt(results, iter(scaled))
+            return rebuild(results, iter(scaled))
 
         return value, pullback
 
     values = [arguments[name] for name in inputs]
-    names = [name for name, _ in calling.all_leaves(values, inputs)]
+    names = [name for name, _ in all_leaves(values, inputs)]
     chosen = [name for name in names if not only or KEY.sub(r"\1", name) in only]
-    problems = wrong_gradients(
+    problems = find_wrong_gradients(
         f,
         values,
         inputs,

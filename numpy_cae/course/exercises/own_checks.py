@@ -12,8 +12,8 @@ from numpy_cae.course.exercises.gradient_trials import NAMED, REQUIRED, Trial
 from numpy_cae.course.solutions.building_blocks import chain_to_root, from_features
 from numpy_cae.course.solutions.second_paper import observed_error
 from numpy_cae.course.suspects import SUSPECTS
-from numpy_cae.verify.operations.case import spread
-from numpy_cae.verify.operations.property import agrees, require_equal
+from numpy_cae.verify.operations.compare import agrees, require_equal
+from numpy_cae.verify.operations.values import spread
 
 CHECKS: dict[tuple[str, str], Callable] = {}
 """These checks, by the names of the exercise and the property."""

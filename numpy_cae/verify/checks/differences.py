@@ -18,40 +18,41 @@ much as the number is off, it is undecided.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import KINK
+from numpy_cae.verify.checks.mismatch import KINK, UNDECIDED
 
 SMALLER = (1 / 8, 1 / 64, 1 / 512)
+"""Smaller steps are so many times the first one."""
 LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
-"""SMALLER, LARGER: further steps are so many times the first one."""
+"""Larger steps are so many times the first one."""
 LARGEST_STEP = 2
-"""LARGEST_STEP: no step is larger than so many times the size of an entry."""
+"""No step is larger than so many times the size of an entry."""
 NEIGHBOURS = (0.8, 0.9, 1.1, 1.25)
-"""NEIGHBOURS: a wrong number is confirmed at so many times the step of the most certain slope."""
+"""A wrong number is confirmed at so many times the step of the most certain slope."""
 VISIBLE = 1 / 8
-"""VISIBLE: outputs that a step of so much of an entry does not move do not depend on it."""
+"""Outputs that a step of so much of an entry does not move do not depend on it."""
 LEVEL = 0.1
-"""LEVEL: slopes at large steps count if they differ from the next by at most this part."""
+"""Slopes at large steps count if they differ from the next by at most this part."""
 SCATTER_MARGIN = 4
-"""SCATTER_MARGIN: a number is wrong only if it is off by so many times their scatter."""
+"""A number is wrong only if it is off by so many times the scatter of the slopes."""
 ROUNDING_MARGIN = 32
-"""ROUNDING_MARGIN: rounding is taken to be at most so many times that of the outputs."""
+"""Rounding is taken to be at most so many times that of the outputs."""
 CURVED = 4
-"""CURVED: at so many times the step, a corner's jump has not doubled, but that of a curve has."""
+"""At so many times the step, a corner's jump has not doubled, but that of a curve has."""
 RATE_MARGIN = 0.1
-"""RATE_MARGIN: a remainder decides if the power with which it falls is so near to 1 or to 2."""
+"""A remainder decides if the power with which it falls is so near to 1 or to 2."""
 ABOVE_NOISE = 4
-"""ABOVE_NOISE: the remainder counts where it is at least so many times as large as rounding."""
+"""The remainder counts where it is at least so many times as large as rounding."""
+CONCLUSIVE = 16
+"""A slope is conclusive if its rounding is at most so many times the first step, relatively."""
 SINGLE = float(np.finfo(np.float32).eps)
 SINGLE_TOLERANCE = 1e-4
-"""SINGLE_TOLERANCE: the relative tolerance is at least this where f computes in float32."""
+"""The relative tolerance is at least this where f computes in float32."""
 
 AGREES = "agrees"
 WRONG = "wrong"
-UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
@@ -98,57 +99,70 @@ class Argument:
         The tolerance is relative to the larger of both numbers; where rounding hides the remainder,
         also to what all entries contribute to the slope.
         """
-        verdict = self._judged(direction)
+        verdict = self._judge_at_precision(direction)
         if verdict.kind != AGREES and self.epsilon < SINGLE and self.is_computed_in_float32():
             tolerance = max(self.tolerance, SINGLE_TOLERANCE)
-            return replace(self, epsilon=SINGLE, tolerance=tolerance)._judged(direction)
+            in_single = replace(self, epsilon=SINGLE, tolerance=tolerance)
+            return in_single._judge_at_precision(direction)
         return verdict
 
-    def _judged(self, direction: np.ndarray) -> Verdict:
+    def _judge_at_precision(self, direction: np.ndarray) -> Verdict:
+        """Compare at the precision of `epsilon`."""
         analytic = float(np.sum(self.gradient * direction))
-        slopes, confirmed = self._measured(direction, analytic)
+        slopes, is_confirmed = self._measure_slopes(direction, analytic)
         if not slopes:
             return Verdict(KINK, np.nan, analytic)
-        if confirmed:
+        if is_confirmed:
             return Verdict(AGREES, slopes[-1].central, analytic)
-        verdict, best = _verdict(slopes, analytic, self.tolerance)
-        if verdict.kind == WRONG:
-            return replace(verdict, kind=self._confirmed(direction, verdict, best))
+        verdict, best = _judge_slopes(slopes, analytic, self.tolerance)
+        if verdict.kind == WRONG and not self._is_certain(direction, verdict, best):
+            return replace(verdict, kind=UNDECIDED)
         return verdict
 
-    def _measured(self, direction: np.ndarray, analytic: float) -> tuple[list[Slope], bool]:
+    def _measure_slopes(self, direction: np.ndarray, analytic: float) -> tuple[list[Slope], bool]:
         """Slopes at smaller and, where these do not decide, at larger steps.
 
         Of one entry, outputs that never change add no rounding: they do not depend on it. Also
         whether the last one confirms the pullback's number, which ends the search.
         """
         first = np.cbrt(self.epsilon)
-        along = self.x[direction != 0]
-        nearest = np.min(np.abs(along / direction[direction != 0]), initial=1.0)  # entry to zero
-        is_near = np.sqrt(self.epsilon) < nearest < SMALLER[-1]  # and not too near for any step
-        smaller = [*SMALLER, *((nearest, nearest / 8) if is_near else ())]
-        depend = np.full(self.here.shape, np.count_nonzero(direction) > 1)
+        smaller = [*SMALLER, *self._steps_before_zero(direction)]
+        depend = self._outputs_in_doubt(direction)
         slopes: list[Slope] = []
-        todo = [1.0, *smaller]
-        while todo:
-            slope = self._slope(direction, first * todo.pop(0), analytic, depend)
+        factors = [1.0, *smaller]
+        while factors:
+            slope = self._slope(direction, first * factors.pop(0), analytic, depend)
             if not np.isfinite([slope.central, slope.noise]).all():  # x + h is beyond f's domain
                 continue
             larger = max(abs(slope.central), abs(analytic))
-            gap = abs(slope.central - analytic)
-            eighths = [abs(before.central - analytic) / 8 for before in slopes]
-            small = min(16 * first * max(larger, slope.size), *eighths, np.inf)
-            is_conclusive = slope.noise <= small
+            is_conclusive = slope.noise <= _noise_allowed(slope, slopes, analytic, first)
             slopes.append(slope)
+            gap = abs(slope.central - analytic)
             if is_conclusive and gap <= self.tolerance * larger + slope.noise:
                 return slopes, True
             if len(slopes) == 1 and not (slope.moved and is_conclusive):
-                todo += [factor for factor in LARGER if first * factor <= LARGEST_STEP]
-            if not todo and len(slopes) == 1 + len(smaller) and len(_rates(slopes[::-1])) < 2:
-                todo += LARGER[:2]
+                factors += [factor for factor in LARGER if first * factor <= LARGEST_STEP]
+            is_last = not factors and len(slopes) == 1 + len(smaller)
+            if is_last and len(_rates(slopes[::-1])) < 2:
+                factors += LARGER[:2]
         # Outputs that only a larger step moves are rounded at the smaller ones, too.
         self._slope(direction, VISIBLE, analytic, depend)
-        return [self._slope(direction, one.step, analytic, depend) for one in slopes], False
+        return [self._slope(direction, slope.step, analytic, depend) for slope in slopes], False
+
+    def _steps_before_zero(self, direction: np.ndarray) -> tuple[float, ...]:
+        """Steps that end at the nearest entry's 0, and well before it, in place of beyond it.
+
+        There are none if 0 is farther than the smallest step, or too near for any step.
+        """
+        moved = direction != 0
+        nearest = float(np.min(np.abs(self.x[moved] / direction[moved]), initial=1.0))
+        if np.sqrt(self.epsilon) < nearest < SMALLER[-1]:
+            return nearest, nearest / 8
+        return ()
+
+    def _outputs_in_doubt(self, direction: np.ndarray) -> np.ndarray:
+        """Whether each output is taken to depend on x; of one entry, none before it has moved."""
+        return np.full(self.here.shape, np.count_nonzero(direction) > 1)
 
     def is_computed_in_float32(self) -> bool:
         """Whether f rounds x, or its outputs, to float32, as a float32 buffer does."""
@@ -160,25 +174,30 @@ class Argument:
         is_single = is_of_float32(y) or np.array_equal(y, self.f(rounded))
         return is_single and bool(change > rounding)
 
-    def _confirmed(self, direction: np.ndarray, verdict: Verdict, best: Slope) -> str:
-        """WRONG, or UNDECIDED where slopes at neighbouring steps scatter as much as they are off.
+    def _is_certain(self, direction: np.ndarray, verdict: Verdict, best: Slope) -> bool:
+        """Whether a number is off by more than the slopes at neighbouring steps scatter.
 
         The scatter contains rounding within f, which no output shows where large terms cancel.
         """
-        depend = np.full(self.here.shape, np.count_nonzero(direction) > 1)
-        steps = [best.step * factor for factor in NEIGHBOURS]
-        found = [self._slope(direction, step, verdict.analytic, depend).central for step in steps]
-        scatter = np.ptp([*found, best.central])
+        depend = self._outputs_in_doubt(direction)
+        slopes = []
+        for factor in NEIGHBOURS:
+            slope = self._slope(direction, best.step * factor, verdict.analytic, depend)
+            slopes.append(slope.central)
+        scatter = np.ptp([*slopes, best.central])
         larger = max(abs(verdict.numeric), abs(verdict.analytic))
-        off = min(abs(slope - verdict.analytic) for slope in (*found, verdict.numeric))
+        off = min(abs(slope - verdict.analytic) for slope in (*slopes, verdict.numeric))
+        rounding = self._rounding_of_gradient(direction, depend)
+        return bool(off > self.tolerance * larger + SCATTER_MARGIN * scatter + rounding)
+
+    def _rounding_of_gradient(self, direction: np.ndarray, depend: np.ndarray) -> float:
+        """What rounding may have changed of the pullback's number."""
         dy = np.abs(self.dy)
         weight = np.sum(dy[depend]) or np.sum(dy)  # no output moves: each may be rounded
         terms = weight * np.max(np.abs(self.here), initial=0.0)
         terms += np.sum(np.abs(self.gradient * direction))
         of_single = np.sum(self.rounding * np.abs(direction))
-        rounding = ROUNDING_MARGIN * (self.epsilon * terms + of_single)  # of the gradient
-        is_wrong = off > self.tolerance * larger + SCATTER_MARGIN * scatter + rounding
-        return WRONG if is_wrong else UNDECIDED
+        return ROUNDING_MARGIN * (self.epsilon * terms + of_single)
 
     def _slope(
         self, direction: np.ndarray, step: float, analytic: float, depend: np.ndarray
@@ -186,25 +205,26 @@ class Argument:
         """The slope from both sides; what does not depend on x adds no rounding."""
         ahead = self.x + step * direction
         behind = self.x - step * direction
-        plus = self.f(ahead)
-        minus = self.f(behind)
+        y_ahead = self.f(ahead)
+        y_behind = self.f(behind)
         moved = direction != 0
-        taken = float(np.median((ahead - behind)[moved] / direction[moved])) / 2  # x + h is rounded
+        # x + h is rounded: the step is what was added.
+        h = float(np.median((ahead - behind)[moved] / direction[moved])) / 2
         weight = np.abs(self.dy)
-        bend = np.abs(plus - 2 * self.here + minus)
-        moved_outputs = (plus != self.here) | (minus != self.here)
+        bend = np.abs(y_ahead - 2 * self.here + y_behind)
+        moved_outputs = (y_ahead != self.here) | (y_behind != self.here)
         depend |= moved_outputs
-        size = np.maximum(np.abs(plus), np.abs(minus)) * depend
+        size = np.maximum(np.abs(y_ahead), np.abs(y_behind)) * depend
         rounding = ROUNDING_MARGIN * self.epsilon * np.sum(weight * (size + bend / step))
-        right = float(np.sum(self.dy * (plus - self.here)))
-        left = float(np.sum(self.dy * (self.here - minus)))
+        rise_ahead = float(np.sum(self.dy * (y_ahead - self.here)))
+        rise_behind = float(np.sum(self.dy * (self.here - y_behind)))
         return Slope(
             step=step,
-            central=(right + left) / (2 * taken),
-            jump=float(np.sum(weight * bend) / taken),
-            size=float(np.sum(weight * np.abs(plus - minus)) / (2 * taken)),
-            remainder=(abs(right - taken * analytic) + abs(left - taken * analytic)) / 2,
-            noise=float(rounding / taken),
+            central=(rise_ahead + rise_behind) / (2 * h),
+            jump=float(np.sum(weight * bend) / h),
+            size=float(np.sum(weight * np.abs(y_ahead - y_behind)) / (2 * h)),
+            remainder=(abs(rise_ahead - h * analytic) + abs(rise_behind - h * analytic)) / 2,
+            noise=float(rounding / h),
             moved=bool((moved_outputs & (self.dy != 0)).any()),
         )
 
@@ -222,48 +242,90 @@ def step_scale(x: np.ndarray) -> np.ndarray:
     return np.maximum(magnitude, typical)
 
 
-def _verdict(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Verdict, Slope]:
+def _noise_allowed(slope: Slope, before: list[Slope], analytic: float, first: float) -> float:
+    """The rounding with which a slope is still conclusive.
+
+    It is relative to the slope, and at most an eighth of what earlier slopes were off by.
+    """
+    larger = max(abs(slope.central), abs(analytic))
+    allowed = CONCLUSIVE * first * max(larger, slope.size)
+    eighths = [abs(earlier.central - analytic) / 8 for earlier in before]
+    return min(allowed, *eighths, np.inf)
+
+
+def _judge_slopes(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Verdict, Slope]:
     """The verdict on a number that no slope confirmed at once, and the most certain slope."""
     first = slopes[0].step
     informative = [slope for slope in slopes if slope.moved or slope.noise > 0]
     slopes = sorted(informative or slopes, key=lambda slope: slope.step)
-    errors = [_error(one, other, first) for one, other in pairwise([*slopes, *slopes[-2:][:1]])]
-    best = slopes[int(np.argmin(errors))]
+    best, error = _most_certain(slopes, first)
     gap = abs(best.central - analytic)
     tolerated = tolerance * max(abs(best.central), abs(analytic))
-    allowed = max(tolerated, tolerance * best.size) + min(errors)
-    clear = next((slope for slope in slopes if slope.noise <= slope.jump / 4), slopes[0])
-    beyond = next((slope for slope in slopes if slope.step > CURVED * clear.step), clear)
-    is_corner = clear.jump > max(beyond.jump / 2, clear.noise, allowed)
+    allowed = max(tolerated, tolerance * best.size) + error
+    corner = _clearest_corner(slopes)
     rates = _rates(slopes)
     power = _power(rates)
-    hidden = slopes[-1 - len(rates)]  # the largest step whose remainder is rounding
     kind = AGREES if gap <= allowed else WRONG
-    if is_corner and abs(best.central - analytic) <= best.jump / 2 + allowed:
+    if _is_corner(corner, slopes, allowed) and gap <= best.jump / 2 + allowed:
         kind = AGREES if gap <= allowed else KINK
-    elif power == 1 and gap > tolerated + min(errors):
+    elif power == 1 and gap > tolerated + error:
         kind = WRONG
-    elif power == 2 and RATE_MARGIN * hidden.remainder <= tolerated * hidden.step:
-        kind = AGREES
-    return Verdict(kind, best.central, analytic, clear.jump, rates if power == 1 else ()), best
+    elif power == 2:
+        hidden = slopes[-1 - len(rates)]  # the largest step whose remainder is rounding
+        if RATE_MARGIN * hidden.remainder <= tolerated * hidden.step:
+            kind = AGREES
+    if power != 1:
+        rates = ()
+    return Verdict(kind, best.central, analytic, corner.jump, rates), best
+
+
+def _most_certain(slopes: list[Slope], first: float) -> tuple[Slope, float]:
+    """The slope that is off by least, and by how much it may be off; smallest step first."""
+    errors = []
+    for number, slope in enumerate(slopes):
+        is_last = number == len(slopes) - 1
+        neighbour = slopes[max(0, number - 1)] if is_last else slopes[number + 1]
+        errors.append(_error(slope, neighbour, first))
+    return slopes[int(np.argmin(errors))], min(errors)
+
+
+def _clearest_corner(slopes: list[Slope]) -> Slope:
+    """The slope at the smallest step whose jump is clear of rounding, else at the smallest step."""
+    for slope in slopes:
+        if slope.noise <= slope.jump / 4:
+            return slope
+    return slopes[0]
+
+
+def _is_corner(clear: Slope, slopes: list[Slope], allowed: float) -> bool:
+    """Whether the jump is that of a corner, not of a curve, whose jump grows with the step."""
+    beyond = clear
+    for slope in slopes:
+        if slope.step > CURVED * clear.step:
+            beyond = slope
+            break
+    return clear.jump > max(beyond.jump / 2, clear.noise, allowed)
 
 
 def _power(rates: tuple[float, ...]) -> int:
     """The power of the step that the remainder falls with: 1 or 2, or 0 where it is neither."""
     last = rates[-2:]
-    if len(last) == 2 and max(abs(rate - 1) for rate in last) < RATE_MARGIN:
+    if len(last) < 2:
+        return 0
+    if max(abs(rate - 1) for rate in last) < RATE_MARGIN:
         return 1
-    return 2 if len(last) == 2 and min(last) > 2 - RATE_MARGIN else 0
+    return 2 if min(last) > 2 - RATE_MARGIN else 0
 
 
-def _error(one: Slope, other: Slope, first: float) -> float:
-    """What a slope may be off by, beside that at the next step; infinite if it says nothing.
+def _error(slope: Slope, neighbour: Slope, first: float) -> float:
+    """What a slope may be off by: its rounding, and its difference from that at the next step.
 
-    At steps larger than the first one only slopes count that hardly change from step to step.
+    It is infinite if the slope says nothing: at steps larger than the first one only slopes count
+    that hardly change from step to step.
     """
-    change = abs(one.central - other.central)
-    is_level = change < LEVEL * abs(one.central)
-    return one.noise + change if one.step <= first or is_level else np.inf
+    change = abs(slope.central - neighbour.central)
+    is_level = change < LEVEL * abs(slope.central)
+    return slope.noise + change if slope.step <= first or is_level else np.inf
 
 
 def _rates(slopes: list[Slope]) -> tuple[float, ...]:

@@ -8,12 +8,14 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
-from numpy_cae.verify.checks.call import ALTERED, LONGEST_TEXT
-from numpy_cae.verify.operations import catalogue
+from numpy_cae.verify.checks.messages import LONGEST_TEXT
+from numpy_cae.verify.checks.mismatch import ALTERED
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.catalogue import Exercise
-from numpy_cae.verify.operations.property import Outcome, failing_case, failure
+from numpy_cae.verify.operations.counterexample import failing_case, failure
+from numpy_cae.verify.operations.operation_catalogue import Exercise, find_exercise
+from numpy_cae.verify.operations.property import REST, Outcome, Property
 from numpy_cae.verify.operations.shared_properties import LARGEST
 from numpy_cae.verify.operations.trial import try_property
 from numpy_cae.visible import visible
@@ -22,9 +24,18 @@ WIDTH = 98
 INDENT = 10
 IN_ORDER = "a gradient counts once the value is right, other properties once gradients are, too"
 UNSOLVED = NotImplementedError.__name__
-"""UNSOLVED: the kind of an outcome where the function is still the stub of a lesson."""
+"""The kind of an outcome where the function is still the stub of a lesson."""
 ROUNDING = 1e-6
-"""ROUNDING: a sum of points that is at most this below a whole number is that number."""
+"""A sum of points that is at most this below a whole number is that number."""
+PROBLEM_LINES = 9
+"""So many lines of a problem are shown."""
+EXAMPLE_LINES = 13
+"""So many lines of a counterexample are shown."""
+HINT_LINES = 4
+"""So many lines of a likely mistake, and of a hint, are shown."""
+
+Begin = Callable[[Sequence[Outcome], Case], None]
+"""What is called before a case is tried, with the outcomes of the properties before."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +65,13 @@ class Report:
         A property about the value earns its points alone, a gradient only if all of those hold,
         any other property only if values and gradients are right.
         """
-        pairs = [(outcome.stated.group, outcome) for outcome in self.outcomes]
-        failed = min((group for group, outcome in pairs if not outcome.held), default=2)
-        return [o.stated.points if o.held and group <= failed else 0 for group, o in pairs]
+        failing_groups = [outcome.stated.group for outcome in self.outcomes if not outcome.held]
+        first_failing = min(failing_groups, default=REST)
+        points = []
+        for outcome in self.outcomes:
+            counts = outcome.held and outcome.stated.group <= first_failing
+            points.append(outcome.stated.points if counts else 0)
+        return points
 
     @property
     def possible(self) -> int:
@@ -72,41 +87,43 @@ class Report:
     __repr__ = __str__
 
     def _lines(self) -> Iterator[str]:
-        title = self.called + ("" if self.called == self.operation else f" as {self.operation}")
+        title = self.called
+        if self.called != self.operation:
+            title += f" as {self.operation}"
         if self.held:
-            every = len(self.outcomes)
-            title += f": all {every} properties hold" if every > 1 else ": it holds"
+            count = len(self.outcomes)
+            title += f": all {count} properties hold" if count > 1 else ": it holds"
         score = f"{self.points} of {self.possible} points"
         yield title + score.rjust(WIDTH - len(title))
         if self.unsolved:
             yield "  not solved yet. What will be checked:"
             for outcome in self.outcomes:
                 head = f"  - {outcome.stated.name}: "
-                yield from _wrapped(head, outcome.stated.statement, INDENT)
+                yield from _wrap(head, outcome.stated.statement, INDENT)
         elif not self.held:
             yield from self._failures()
         if self.exercise.hint and not self.held:
-            yield from _wrapped("  hint: ", self.exercise.hint, 8)
+            yield from _wrap("  hint: ", self.exercise.hint, 8)
 
     def _failures(self) -> Iterator[str]:
         """The first failing property in full, the others in short, and which hold."""
-        first, *others = self.failing()
-        yield from _wrapped(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
-        yield from _why(first)
+        first, *further = self.failing()
+        yield from _wrap(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
+        yield from _describe_failure(first)
         names_of: dict[tuple[str, str], list[str]] = {_reason(first): []}
-        for outcome in others:
+        for outcome in further:
             names_of.setdefault(_reason(outcome), []).append(outcome.stated.name)
-        yield from _listed("  FAILED  for the same reason: ", names_of.pop(_reason(first)))
+        yield from _list_names("  FAILED  for the same reason: ", names_of.pop(_reason(first)))
         for (problem, mistake), names in names_of.items():
-            yield from _wrapped(f"  FAILED  {', '.join(names)}: ", problem, INDENT)
+            yield from _wrap(f"  FAILED  {', '.join(names)}: ", problem, INDENT)
             if mistake not in ("", first.mistake):
-                yield from _wrapped(" " * INDENT + "likely:   ", mistake, 2 * INDENT + 2)
+                yield from _wrap(" " * INDENT + "likely:   ", mistake, 2 * INDENT + 2)
         untried = [o.stated.name for o in self.outcomes if not o.held and not o.problem]
-        yield from _listed("  not tried: ", untried)
-        yield from _listed("  hold: ", [o.stated.name for o in self.outcomes if o.held])
-        both = zip(self.outcomes, self.earned(), strict=True)
-        if any(outcome.held and not points for outcome, points in both):
-            yield from _wrapped("  points: ", IN_ORDER, INDENT)
+        yield from _list_names("  not tried: ", untried)
+        yield from _list_names("  hold: ", [o.stated.name for o in self.outcomes if o.held])
+        pairs = zip(self.outcomes, self.earned(), strict=True)
+        if any(outcome.held and not points for outcome, points in pairs):
+            yield from _wrap("  points: ", IN_ORDER, INDENT)
 
     def failing(self) -> list[Outcome]:
         """The properties that were tried and do not hold, the one about everything last.
@@ -122,28 +139,44 @@ class Report:
 
 
 def _reason(outcome: Outcome) -> tuple[str, str]:
+    """What two properties that fail for the same reason have in common."""
     return outcome.problem.splitlines()[0], outcome.mistake
 
 
-def _listed(head: str, names: Sequence[str]) -> list[str]:
-    return _wrapped(head, ", ".join(names), INDENT) if names else []
+def _list_names(head: str, names: Sequence[str]) -> list[str]:
+    """The lines that list the names of properties, none if there are no names."""
+    return _wrap(head, ", ".join(names), INDENT) if names else []
 
 
-def _why(outcome: Outcome) -> Iterator[str]:
+def _describe_failure(outcome: Outcome) -> Iterator[str]:
     """The lines below a property that does not hold, not too many of each kind."""
-    shown = [("what", outcome.problem, 9), ("smallest", outcome.counterexample, 13)]
-    shown += [("likely", outcome.mistake, 4), ("hint", outcome.stated.hint, 4)]
-    for title, text, most in shown:
-        lines: list[str] = []
-        for i, line in enumerate(text.splitlines()):
-            head = " " * INDENT + (f"{title}:" if i == 0 else "").ljust(INDENT)
-            lines += _wrapped(head + "  " * line.startswith(" "), line.strip(), 2 * INDENT + 2)
-        yield from lines[:most]
+    yield from _titled_lines("what:", outcome.problem)[:PROBLEM_LINES]
+    yield from _titled_lines("smallest:", outcome.counterexample)[:EXAMPLE_LINES]
+    yield from _titled_lines("likely:", outcome.mistake)[:HINT_LINES]
+    yield from _titled_lines("hint:", outcome.stated.hint)[:HINT_LINES]
 
 
-def _wrapped(head: str, text: str, indent: int) -> list[str]:
-    options = {"initial_indent": head, "subsequent_indent": " " * indent}
-    return textwrap.wrap(text, WIDTH, break_on_hyphens=False, **options)
+def _titled_lines(title: str, text: str) -> list[str]:
+    """The lines of a text beside a title, lines that begin with a space indented."""
+    lines: list[str] = []
+    for line in text.splitlines():
+        head = " " * INDENT + title.ljust(INDENT)
+        if line.startswith(" "):
+            head += "  "
+        lines += _wrap(head, line.strip(), 2 * INDENT + 2)
+        title = ""
+    return lines
+
+
+def _wrap(head: str, text: str, indent: int) -> list[str]:
+    """The lines of a text behind a head, further lines indented."""
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=head,
+        subsequent_indent=" " * indent,
+        break_on_hyphens=False,
+    )
 
 
 def report(operation: str | Exercise, function: Callable, called: str | None = None) -> Report:
@@ -175,37 +208,54 @@ def report(operation: str | Exercise, function: Callable, called: str | None = N
     >>> from numpy_cae import verify
     >>> def tanh(x):
     ...     return np.tanh(x), lambda dy: dy * (1 - x * x)
-    >>> made = verify.report("tanh", tanh)
-    >>> made.points, made.possible
+    >>> tanh_report = verify.report("tanh", tanh)
+    >>> tanh_report.points, tanh_report.possible
     (2, 11)
-    >>> made.outcomes[1].stated.name, made.outcomes[1].mistake
+    >>> tanh_report.outcomes[1].stated.name, tanh_report.outcomes[1].mistake
     ('gradient for x', 'The derivative is 1 - x², where it should be 1 - y².')
     """
-    exercise = catalogue.find_exercise(operation)
-    called = called or getattr(function, "__name__", exercise.name)
-    return Report(exercise, called, tested(exercise, function))
+    exercise = find_exercise(operation)
+    called = called or str(getattr(function, "__name__", exercise.name))
+    return Report(exercise, called, try_all(exercise, function))
 
 
-def tested(
-    exercise: Exercise,
-    function: Callable,
-    begin: Callable[[Sequence[Outcome], Case], None] = lambda outcomes, case: None,
+def try_all(
+    exercise: Exercise, function: Callable, begin: Begin | None = None
 ) -> tuple[Outcome, ...]:
     """The outcome of every property.
 
     `begin` is called before each case, with the outcomes of the properties before. If the function
     raises, or returns something else than it has to, in every case, no other property is tried.
     """
-    first, *others = exercise.properties
-    outcomes = [try_property(first, function, begin=partial(begin, ()))]
-    is_unsolved = outcomes[0].kind == UNSOLVED
-    errors = (failure(first, function, case) for case in first.cases())
-    answers = not is_unsolved and any(isinstance(e, AssertionError | None) for e in errors)
-    for stated in others:
-        untried = Outcome(stated, False, UNSOLVED * is_unsolved, kind=UNSOLVED * is_unsolved)
-        begin_next = partial(begin, outcomes)
-        outcomes.append(try_property(stated, function, begin=begin_next) if answers else untried)
+    first, *further = exercise.properties
+    outcomes: list[Outcome] = []
+    outcomes.append(_try_next(first, function, outcomes, begin))
+    if outcomes[0].kind == UNSOLVED:
+        unsolved = [Outcome(stated, False, UNSOLVED, kind=UNSOLVED) for stated in further]
+        return (*outcomes, *unsolved)
+    if not _answers(first, function):
+        return (*outcomes, *(Outcome(stated, False) for stated in further))
+    for stated in further:
+        outcomes.append(_try_next(stated, function, outcomes, begin))
     return tuple(outcomes)
+
+
+def _try_next(
+    stated: Property, function: Callable, outcomes: Sequence[Outcome], begin: Begin | None
+) -> Outcome:
+    """The outcome of the next property after some outcomes."""
+    if begin is None:
+        return try_property(stated, function)
+    return try_property(stated, function, begin=partial(begin, outcomes))
+
+
+def _answers(stated: Property, function: Callable) -> bool:
+    """Whether a function returns in any case something that can be compared."""
+    for case in stated.cases():
+        error = failure(stated, function, case)
+        if error is None or isinstance(error, AssertionError):
+            return True
+    return False
 
 
 def holds(exercise: Exercise, implementation: Callable) -> bool:
@@ -218,15 +268,23 @@ def readable(text: str) -> str:
     return visible(text[:LONGEST_TEXT])
 
 
-TEXTS = ("problem", "counterexample", "mistake", "kind")
-
-
-def reply_of(outcomes: Sequence[Outcome]) -> dict:
+def reply_of(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     """The outcomes in plain dicts, lists and texts."""
-    return {"outcomes": [{name: getattr(o, name) for name in ("held", *TEXTS)} for o in outcomes]}
+    return {"outcomes": [_plain_outcome(outcome) for outcome in outcomes]}
 
 
-def report_of(exercise: Exercise, reply: dict) -> Report:
+def _plain_outcome(outcome: Outcome) -> dict[str, Any]:
+    """An outcome without its property."""
+    return {
+        "held": outcome.held,
+        "problem": outcome.problem,
+        "counterexample": outcome.counterexample,
+        "mistake": outcome.mistake,
+        "kind": outcome.kind,
+    }
+
+
+def report_of(exercise: Exercise, reply: dict[str, Any]) -> Report:
     """The report from a reply of `reply_of`, or one that says why there is no such reply.
 
     If the process was ended, the outcomes until then count. Names, statements and points are not
@@ -236,14 +294,25 @@ def report_of(exercise: Exercise, reply: dict) -> Report:
     try:
         problem = readable(reply["failed"])
         sent = reply.get("outcomes", ()) if problem else reply["outcomes"]
-        outcomes = [
-            Outcome(stated, one["held"] is True, *(readable(one[name]) for name in TEXTS))
-            for stated, one in zip(exercise.properties, sent, strict=not problem)
-        ]
+        pairs = zip(exercise.properties, sent, strict=not problem)
+        outcomes = [_outcome_of(stated, plain) for stated, plain in pairs]
         if "trying" in reply and problem:
             problem += f"\nit was tried with {readable(reply['trying'])}; smaller cases were right"
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
-    left = exercise.properties[len(outcomes) :]
-    outcomes += [Outcome(stated, False, problem * (stated is left[0])) for stated in left]
+    for stated in exercise.properties[len(outcomes) :]:
+        outcomes.append(Outcome(stated, False, problem))
+        problem = ""  # it is said once
     return Report(exercise, exercise.name, tuple(outcomes))
+
+
+def _outcome_of(stated: Property, plain: dict[str, Any]) -> Outcome:
+    """The outcome of a property from a plain dict, whose texts may be anything."""
+    return Outcome(
+        stated,
+        plain["held"] is True,
+        readable(plain["problem"]),
+        readable(plain["counterexample"]),
+        readable(plain["mistake"]),
+        readable(plain["kind"]),
+    )

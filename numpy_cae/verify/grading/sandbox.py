@@ -11,48 +11,67 @@ import secrets
 import signal
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy.ma  # noqa: F401  np.median imports it: too late where a file changes modules
 
-from numpy_cae.verify.checks.call import error_text
-from numpy_cae.verify.grading.report import reply_of, tested
-from numpy_cae.verify.grading.submission import read_submission
+from numpy_cae.verify.checks.messages import error_text
+from numpy_cae.verify.grading.report import reply_of, try_all
+from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.operation_catalogue import Exercise
 from numpy_cae.verify.operations.property import Outcome
 
 try:
     import resource
 except ImportError:  # Windows, where a process has no such limits
-    resource = None
+    resource = None  # type: ignore[assignment]
 
 MOST_WRITTEN = 2**26
-"""MOST_WRITTEN: all files of a process together may have at most so many bytes."""
+"""All files of a process together may have at most so many bytes."""
 LEAST_FILE = 2**12
-"""LEAST_FILE: a file counts as at least so many bytes, an empty one too."""
+"""A file counts as at least so many bytes, an empty one too."""
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 LARGEST_WRITTEN_FILE = 2**24
-"""LARGEST_WRITTEN_FILE: a process may write at most so many bytes to one file."""
+"""A process may write at most so many bytes to one file."""
 OPEN_FILES = 64
-"""OPEN_FILES: a process may have so many files open: removed ones take space that is not seen."""
+"""A process may have so many files open: removed ones take space that is not seen."""
 PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
-"""PR_SET_CHILD_SUBREAPER: a process is the parent of its descendants whose own parent has ended."""
+"""A process is the parent of its descendants whose own parent has ended."""
 SHARED = ("sys", "warnings")
 """Modules that the interpreter itself looks into; a copy would change nothing."""
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 CHANGES = "remove rename rmdir mkdir link symlink truncate chmod chown utime".split()
-REFUSED = ("os.fork", "os.exec", "os.posix_spawn", "os.spawn", "os.system", "os.kill", "socket.")
-REFUSED += ("subprocess.Popen", "_winapi.CreateProcess")
+"""Functions of `os` that change what is at the paths that they are given."""
+REFUSED = (
+    "os.fork",
+    "os.exec",
+    "os.posix_spawn",
+    "os.spawn",
+    "os.system",
+    "os.kill",
+    "socket.",
+    "subprocess.Popen",
+    "_winapi.CreateProcess",
+)
+"""Actions whose names begin so are refused."""
+POLL_SECONDS = 0.005
+"""So often it is asked whether a process has ended."""
 DO_THE_EXERCISE = (
     "aesara autograd casadi chainer cupy dynet flax jax keras mindspore mlx mxnet numpy_cae paddle "
     "pytensor sympy tangent tensorflow theano tinygrad torch"
 ).split()
+
+
+Send = Callable[..., None]
+"""Adds its keywords to what a process has sent."""
 
 
 def main() -> None:
@@ -61,56 +80,75 @@ def main() -> None:
     print(json.dumps(reply_to(json.load(sys.stdin))))
 
 
-def reply_to(request: dict) -> dict:
+def reply_to(request: dict[str, Any]) -> dict[str, Any]:
     """What the file lacks, and for each function its outcomes or the reason why there are none."""
     set_process_option(PR_SET_CHILD_SUBREAPER, 1)
     submission = read_submission(Path(request["path"]))
-    catalogue = import_module(request["catalogue"]).CATALOGUE
-    given = {name: catalogue[name].solution for name in request["given"]}
-    instead: dict[str, Callable] = {}  # solutions in place of functions that do not hold
-
-    def names(send: Callable) -> None:
-        functions, problems = submission.run(given, {})
-        defined = [name for name in request["wanted"] if name in functions]
-        send(defined=defined, problems=problems)
-
-    def outcomes(name: str, send: Callable) -> None:
-        def begin(outcomes: Sequence[Outcome], case: Case) -> None:
-            send(**reply_of(outcomes), trying=str(case))
-
-        functions, _ = submission.run(given, instead)
-        send(**reply_of(tested(catalogue[name], functions[name], begin)))
-
-    reply = {"defined": (), "problems": [], **confined(names, request)}
-    results: dict[str, dict] = {}
-    for name in request["wanted"]:
+    catalogue: Mapping[str, Exercise] = import_module(request["catalogue"]).CATALOGUE
+    provided = {name: catalogue[name].solution for name in request["provided"]}
+    reply: dict[str, Any] = {"defined": (), "problems": []}
+    reply |= run_confined(partial(_send_names, submission, provided, request), request)
+    results: dict[str, dict[str, Any]] = {}
+    replacements: dict[str, Callable] = {}  # solutions in place of functions that do not hold
+    for name in request["requested"]:
         is_right = False
         if name in reply["defined"]:
-            sent = results[name] = confined(partial(outcomes, name), request)
-            is_right = not sent["failed"] and all(one["held"] for one in sent["outcomes"])
+            work = partial(_send_outcomes, submission, provided, replacements, catalogue[name])
+            results[name] = run_confined(work, request)
+            is_right = _is_right(results[name])
         if name in request["replaced"] and not is_right:
-            instead[name] = catalogue[name].solution
+            replacements[name] = catalogue[name].solution
     return {**reply, "results": results}
 
 
-def confined(work: Callable[[Callable], None], request: dict) -> dict:
+def _send_names(
+    submission: Submission, provided: Mapping[str, Callable], request: dict[str, Any], send: Send
+) -> None:
+    """Run the file, and send which of the requested functions it defines, and its problems."""
+    functions, problems = submission.run(provided, {})
+    defined = [name for name in request["requested"] if name in functions]
+    send(defined=defined, problems=problems)
+
+
+def _send_outcomes(
+    submission: Submission,
+    provided: Mapping[str, Callable],
+    replacements: Mapping[str, Callable],
+    exercise: Exercise,
+    send: Send,
+) -> None:
+    """Run the file, and send the outcomes of the properties of one of its functions."""
+
+    def send_case(outcomes: Sequence[Outcome], case: Case) -> None:
+        send(**reply_of(outcomes), trying=str(case))
+
+    functions, _ = submission.run(provided, replacements)
+    send(**reply_of(try_all(exercise, functions[exercise.name], send_case)))
+
+
+def _is_right(result: Mapping[str, Any]) -> bool:
+    """Whether a function's process has ended well and every property holds."""
+    return not result["failed"] and all(outcome["held"] for outcome in result["outcomes"])
+
+
+def run_confined(work: Callable[[Send], None], request: dict[str, Any]) -> dict[str, Any]:
     """What work sends in a confined process, which may be idle as long as it may work."""
 
-    def limited(send: Callable) -> None:
-        kept = confine(request["seconds"], request["megabytes"], Path.cwd())
+    def work_confined(send: Send) -> None:
+        modules = confine(request["seconds"], request["megabytes"], Path.cwd())
         try:
             work(send)
             send(failed="")
         except BaseException as error:  # such as KeyboardInterrupt
             send(failed=error_text(error))
-        del kept
+        del modules
 
-    sent = do_apart(limited, 2 * request["seconds"])
-    end_children()  # such as a process that left the group which do_apart kills
+    sent = run_in_fork(work_confined, 2 * request["seconds"])
+    end_children()  # such as a process that left the group which run_in_fork kills
     return sent
 
 
-def do_apart(work: Callable[[Callable], None], seconds: float) -> dict:
+def run_in_fork(work: Callable[[Send], None], seconds: float) -> dict[str, Any]:
     """What `work` sends in a forked process; without fork (Windows), in this one.
 
     It gets a function `send` whose keywords are added to what it sent before. They go through a
@@ -120,7 +158,7 @@ def do_apart(work: Callable[[Callable], None], seconds: float) -> dict:
     Time in which the process waits for a processor does not count, so that the result does not
     depend on what else the machine does.
     """
-    sent: dict = {"failed": CRASHED}
+    sent: dict[str, Any] = {"failed": CRASHED}
     if not hasattr(os, "fork"):
         work(sent.update)
         return sent
@@ -128,9 +166,9 @@ def do_apart(work: Callable[[Callable], None], seconds: float) -> dict:
 
     def send(**more: object) -> None:
         sent.update(more)
-        begun = reply.with_suffix(".new")
-        begun.write_text(json.dumps(sent))
-        begun.replace(reply)
+        unfinished = reply.with_suffix(".new")
+        unfinished.write_text(json.dumps(sent))
+        unfinished.replace(reply)
 
     process = os.fork()
     if process == 0:
@@ -146,20 +184,24 @@ def do_apart(work: Callable[[Callable], None], seconds: float) -> dict:
     with suppress(OSError, ValueError):
         sent = json.loads(reply.read_text())
     reply.unlink(missing_ok=True)
-    return {**sent, "failed": fault} if fault else sent
+    if fault:
+        sent["failed"] = fault
+    return sent
 
 
 def _wait(process: int, seconds: float, folder: Path) -> str:
     """Wait for a process, or end it; what is wrong, or ""."""
     begun = time.monotonic()
     while True:
-        time.sleep(0.005)
-        taken = time.monotonic() - begun - _waited(process)
+        time.sleep(POLL_SECONDS)
+        elapsed = time.monotonic() - begun - _waited(process)
         ended, status = os.waitpid(process, os.WNOHANG)
         if ended:
-            out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
-            return "it used up its CPU time: an endless loop?" * out_of_time
-        fault = f"it did not finish within {seconds:.3g} s: an endless loop?" * (taken > seconds)
+            is_out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
+            return "it used up its CPU time: an endless loop?" if is_out_of_time else ""
+        fault = ""
+        if elapsed > seconds:
+            fault = f"it did not finish within {seconds:.3g} s: an endless loop?"
         if _written(folder) > MOST_WRITTEN:
             fault = f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
         if fault:
@@ -217,11 +259,18 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
     sys.stdout = sys.stderr = open(1, "w", errors="replace", closefd=False)
     set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
     cpu = math.ceil(time.process_time() + seconds)
-    limits = {"CPU": cpu, "AS": _mapped() + megabytes * 2**20, "NPROC": 0, "CORE": 0}
-    limits["NOFILE"] = OPEN_FILES
-    for name, limit in (limits | {"FSIZE": LARGEST_WRITTEN_FILE}).items():
+    limits = {
+        "CPU": cpu,
+        "AS": _mapped() + megabytes * 2**20,
+        "NPROC": 0,
+        "CORE": 0,
+        "NOFILE": OPEN_FILES,
+        "FSIZE": LARGEST_WRITTEN_FILE,
+    }
+    for name, limit in limits.items():
+        # At its soft limit of CPU time a process ends by a signal of its own.
+        hard = limit + 1 if name == "CPU" else limit
         with suppress(ValueError, OSError, AttributeError):  # as far as the system has it
-            hard = limit + (name == "CPU")  # the soft limit ends it with a signal of its own
             resource.setrlimit(getattr(resource, f"RLIMIT_{name}"), (limit, hard))
     _refuse_actions(os.path.realpath(folder))
     return _isolate_modules()
@@ -244,17 +293,19 @@ def _refuse_actions(folder: str) -> None:
         real = os.path.realpath(os.fsdecode(path))
         return real != os.devnull and os.path.commonpath([real, folder]) != folder
 
-    def hook(event: str, arguments: tuple) -> None:
-        changed = arguments if event.removeprefix("os.") in CHANGES else ()
-        if event == "open" and isinstance(arguments[2], int) and arguments[2] & WRITING:
-            changed = arguments[:1]
+    def refuse(event: str, arguments: tuple) -> None:
         if event == "import" and _does_the_exercise(arguments[0]):
             package = arguments[0].partition(".")[0]
             raise ImportError(f"{package} may not be imported: write the operation by hand")
+        changed: tuple = ()
+        if event.removeprefix("os.") in CHANGES:
+            changed = arguments
+        if event == "open" and isinstance(arguments[2], int) and arguments[2] & WRITING:
+            changed = arguments[:1]
         if event.startswith(REFUSED) or any(map(is_elsewhere, changed)):
             raise PermissionError(f"{event} is not allowed while a file is graded")
 
-    sys.addaudithook(hook)
+    sys.addaudithook(refuse)
 
 
 def _isolate_modules() -> list[ModuleType]:
@@ -262,20 +313,22 @@ def _isolate_modules() -> list[ModuleType]:
 
     The tests keep the modules that they have, which are returned, to be kept while in use.
     """
-    loaded = [(name, module) for name, module in sys.modules.items() if name not in SHARED]
-    ours = {name: module for name, module in loaded if type(module) is ModuleType}
-    copies = {name: ModuleType(name) for name in ours if not _does_the_exercise(name)}
+    originals = {}
+    for name, module in list(sys.modules.items()):
+        if name not in SHARED and type(module) is ModuleType:
+            originals[name] = module
+    copies = {name: ModuleType(name) for name in originals if not _does_the_exercise(name)}
     for name, copy in copies.items():
-        vars(copy).update(vars(ours[name]))
+        vars(copy).update(vars(originals[name]))
     for name, copy in copies.items():
         package, _, last = name.rpartition(".")
-        if package in copies and vars(copies[package]).get(last) is ours[name]:
+        if package in copies and vars(copies[package]).get(last) is originals[name]:
             setattr(copies[package], last, copy)
-    for name in ours.keys() - copies.keys():
+    for name in originals.keys() - copies.keys():
         del sys.modules[name]
     sys.modules.update(copies)
     sys.meta_path[:] = [f for f in sys.meta_path if not _does_the_exercise(type(f).__module__)]
-    return list(ours.values())
+    return list(originals.values())
 
 
 def _does_the_exercise(module: str) -> bool:

@@ -11,38 +11,47 @@ import subprocess
 import sys
 import tempfile
 import textwrap
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from numpy_cae.verify.grading.report import UNSOLVED, WIDTH, Report, readable, report_of
 from numpy_cae.verify.grading.submission import Submission, read_submission
-from numpy_cae.verify.operations import catalogue as operations
+from numpy_cae.verify.operations import operation_catalogue
+from numpy_cae.verify.operations.operation_catalogue import CATALOGUE, Exercise
 
 TIME_LIMIT = 30.0
-"""TIME_LIMIT: one function has this processor time (s) by default; it may be idle as long again."""
+"""One function has this processor time (s) by default; it may be idle as long again."""
 MEMORY_LIMIT = 2048
-"""MEMORY_LIMIT: each process has this memory (MB) by default."""
+"""Each process has this memory (MB) by default."""
 STARTUP_SECONDS = 30.0
-"""STARTUP_SECONDS: the grader's process may take this time (s) to import its modules."""
+"""The grader's process may take this time (s) to import its modules."""
 BUSY = 10
-"""BUSY: the grader itself is ended after so many times the limits of all functions.
+"""The grader itself is ended after so many times the limits of all functions.
 
 The limits that decide on marks do not count the time in which a process waits for a processor. This
 one is for a grader that a student's file has stopped.
 """
 PREFIX = "numpy_cae_grading_"
 PROJECT = str(Path(__file__).parents[3])
-KEPT = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
+PASSED_ON = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
+"""The environment variables that the grader's process gets."""
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "BLIS")
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in LIBRARIES}
 CHILD = [sys.executable, "-B", "-m", "numpy_cae.verify.grading.sandbox"]
 BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 COPIED = "the cell of {} is there more than once: the last one counts"
-MISSING = "no function has an operation's name (exercises of a lesson need --lesson NN): "
-MISSING += ", ".join(operations.CATALOGUE)
+MISSING = (
+    "no function has an operation's name (exercises of a lesson need --lesson NN): "
+    f"{', '.join(CATALOGUE)}"
+)
+
+Exercises = Mapping[str, Exercise]
+Reply = dict[str, Any]
+"""What the grader's process sends: `sandbox.reply_to` makes it."""
 
 
 @dataclass
@@ -76,13 +85,16 @@ class FileReport:
         notes += [f"Note: {note}" for note in self.notes]
         verdict = "every property held" if self.held else "FAILED"
         score = f"{self.points} of {self.possible} points" if self.possible else "no points"
-        filled = [textwrap.fill(note, WIDTH) for note in notes]
-        return "\n\n".join([name, *map(str, self.reports), *filled, f"{name}: {score}, {verdict}"])
+        parts = [name]
+        parts += [str(report) for report in self.reports]
+        parts += [textwrap.fill(note, WIDTH) for note in notes]
+        parts.append(f"{name}: {score}, {verdict}")
+        return "\n\n".join(parts)
 
 
 def grade(
     path: Path,
-    catalogue: ModuleType = operations,
+    catalogue: ModuleType = operation_catalogue,
     seconds: float = TIME_LIMIT,
     megabytes: int = MEMORY_LIMIT,
     lesson: str = "",
@@ -115,70 +127,128 @@ def grade(
     ValueError
         If there is no such lesson.
     """
-    exercises = catalogue.CATALOGUE
+    exercises: Exercises = catalogue.CATALOGUE
     lessons = getattr(catalogue, "ASSIGNMENTS", {})
     if lesson and lesson not in lessons:
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
     submission = read_submission(path)
     assigned = lessons.get(lesson or submission.lesson(lessons), ())
-    wanted = [*(assigned or (exercises if submission.is_notebook else operations.CATALOGUE))]
-    reply = {"failed": submission.fault}
-    if not submission.fault:
-        tested = assigned or submission.defined() & {*wanted}
-        given = {other for name in tested for other in exercises[name].given} - set(assigned)
-        if {*wanted, *given} <= operations.CATALOGUE.keys():
-            catalogue = operations  # quicker to import
-        file = {"path": str(path.resolve()), "catalogue": catalogue.__name__, "wanted": wanted}
-        file |= {"given": sorted(given), "replaced": assigned if submission.is_notebook else ()}
-        reply = run({**file, "seconds": seconds, "megabytes": megabytes})
-    return _graded(submission, {name: exercises[name] for name in wanted}, assigned, reply)
+    if assigned:
+        names = list(assigned)
+    elif submission.is_notebook:
+        names = list(exercises)
+    else:
+        names = list(CATALOGUE)
+    requested = {name: exercises[name] for name in names}
+    if submission.fault:
+        return _report_on(submission, requested, assigned, {"failed": submission.fault})
+    provided = _names_provided(submission, requested, assigned)
+    if {*requested, *provided} <= CATALOGUE.keys():
+        catalogue = operation_catalogue  # quicker to import
+    request = {
+        "path": str(path.resolve()),
+        "catalogue": catalogue.__name__,
+        "requested": names,
+        "provided": provided,
+        "replaced": assigned if submission.is_notebook else (),
+        "seconds": seconds,
+        "megabytes": megabytes,
+    }
+    return _report_on(submission, requested, assigned, run(request))
 
 
-def _graded(submission: Submission, wanted: dict, assigned: Collection, reply: dict) -> FileReport:
-    """The report from the reply of `run` on the wanted exercises, by name.
+def _names_provided(
+    submission: Submission, requested: Exercises, assigned: Collection[str]
+) -> list[str]:
+    """What the exercises that are tested may call without defining it."""
+    tested = assigned or submission.defined() & requested.keys()
+    provided: set[str] = set()
+    for name in tested:
+        provided.update(requested[name].given)
+    return sorted(provided - set(assigned))
+
+
+def _report_on(
+    submission: Submission, requested: Exercises, assigned: Collection[str], reply: Reply
+) -> FileReport:
+    """The report from the reply of `run` on the requested exercises, by name.
 
     Those that are assigned count in any case.
     """
-    graded = FileReport(submission.path, copied=submission.copied)
-    graded.notes += [COPIED.format(name) for name in submission.copied]
-    results = reply.get("results", {})
     problems = reply.get("problems", [])
-    fault = reply["failed"] or (problems[0] if problems and not submission.is_notebook else "")
-    counted = {*results, *assigned, *(submission.defined() if fault else ())}
-    for name in (name for name in wanted if name in counted):
-        failed = {"failed": fault or f"it has no function {name}"}
-        result = failed if fault else results.get(name, failed)
-        graded.reports.append(report_of(wanted[name], result))
-    others = [report for report in graded.reports if report.operation not in assigned]
-    helpers = [report for report in others if _is_helper(report, submission)]
-    if len(helpers) < len(graded.reports):
-        graded.notes += [HELPER.format(report.called) for report in helpers]
-        graded.reports = [report for report in graded.reports if report not in helpers]
-    missing = [] if graded.reports else [MISSING]
-    graded.faults += map(readable, [fault] if fault else problems + missing)
-    return graded
+    fault = reply["failed"]
+    if not fault and problems and not submission.is_notebook:
+        fault = problems[0]
+    reports = _reports_on(submission, requested, assigned, reply.get("results", {}), fault)
+    file = FileReport(submission.path, copied=submission.copied)
+    file.notes += [COPIED.format(name) for name in submission.copied]
+    helpers = [r for r in reports if r.operation not in assigned and _is_helper(r, submission)]
+    if len(helpers) < len(reports):
+        file.notes += [HELPER.format(report.called) for report in helpers]
+        file.reports = [report for report in reports if report not in helpers]
+    else:
+        file.reports = reports
+    if fault:
+        file.faults.append(readable(fault))
+        return file
+    file.faults += [readable(problem) for problem in problems]
+    if not file.reports:
+        file.faults.append(readable(MISSING))
+    return file
+
+
+def _reports_on(
+    submission: Submission,
+    requested: Exercises,
+    assigned: Collection[str],
+    results: Mapping[str, Reply],
+    fault: str,
+) -> list[Report]:
+    """The reports on what was tested or assigned; a fault fails all that the file defines."""
+    counted = {*results, *assigned}
+    if fault:
+        counted |= submission.defined()
+    reports = []
+    for name, exercise in requested.items():
+        if name not in counted:
+            continue
+        if fault:
+            result: Reply = {"failed": fault}
+        else:
+            result = results.get(name, {"failed": f"it has no function {name}"})
+        reports.append(report_of(exercise, result))
+    return reports
 
 
 def _is_helper(report: Report, submission: Submission) -> bool:
     """Whether others call a function with an operation's name that answers in no case."""
-    first, *others = report.outcomes
-    answers = first.kind in ("", UNSOLVED) or any(one.held or one.problem for one in others)
+    first, *further = report.outcomes
+    answers = first.kind in ("", UNSOLVED)
+    answers = answers or any(outcome.held or outcome.problem for outcome in further)
     return not answers and submission.calls(report.called)
 
 
-def run(request: dict) -> dict:
+def run(request: dict[str, Any]) -> Reply:
     """The reply of `sandbox.main` to a request, or {"failed": why}."""
-    environment = {name: os.environ[name] for name in KEPT if name in os.environ} | ONE_THREAD
+    environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ} | ONE_THREAD
     environment["PYTHONPATH"] = os.pathsep.join([PROJECT, os.environ.get("PYTHONPATH", "")])
-    processes = len(request["wanted"]) + 1
+    processes = len(request["requested"]) + 1
     timeout = BUSY * (2 * request["seconds"] * processes + STARTUP_SECONDS)
     with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as folder:
         environment["TMPDIR"] = folder
-        inside = [*BUBBLEWRAP, "--bind", folder, folder] if has_bubblewrap() else []
-        options = {"cwd": folder, "env": environment, "start_new_session": True, "timeout": timeout}
-        text = json.dumps(request).encode()
+        command = CHILD
+        if has_bubblewrap():
+            command = [*BUBBLEWRAP, "--bind", folder, folder, *CHILD]
         try:
-            ended = subprocess.run([*inside, *CHILD], input=text, capture_output=True, **options)
+            ended = subprocess.run(
+                command,
+                input=json.dumps(request).encode(),
+                capture_output=True,
+                cwd=folder,
+                env=environment,
+                start_new_session=True,
+                timeout=timeout,
+            )
             return json.loads(ended.stdout)
         except (subprocess.TimeoutExpired, ValueError):
             return {"failed": "its grading ended without a reply"}

@@ -7,16 +7,17 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 from warnings import catch_warnings
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import error_text
+from numpy_cae.verify.checks.messages import error_text
 
 LARGEST_PROGRAM = 2**20
-"""LARGEST_PROGRAM: a Python file may have at most so many bytes."""
+"""A Python file may have at most so many bytes."""
 LARGEST_NOTEBOOK = 2**25
-"""LARGEST_NOTEBOOK: a notebook, with its pictures, may have at most so many bytes."""
+"""A notebook, with its pictures, may have at most so many bytes."""
 MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
 CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
 STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
@@ -52,34 +53,40 @@ class Submission:
 
     def defined(self) -> set[str]:
         """The names of functions in the text, even if the text is not valid Python."""
-        return _defined(self._text())
+        return _names_defined(self._text())
 
     def calls(self, name: str) -> bool:
         """Whether the text seems to call a function, besides defining it."""
         calls = re.findall(rf"(?<![.\w]){name}\(", self._text())
-        return len(calls) > (name in self.defined())
+        definitions = 1 if name in self.defined() else 0
+        return len(calls) > definitions
 
     def _text(self) -> str:
-        sources = (source for _, source in self.cells)
-        return "\n".join(s if isinstance(s, str) else s.decode("latin-1") for s in sources)
+        texts = []
+        for _, source in self.cells:
+            texts.append(source if isinstance(source, str) else source.decode("latin-1"))
+        return "\n".join(texts)
 
-    def run(self, given: Functions, instead: Functions) -> tuple[dict[str, Callable], list[str]]:
+    def run(
+        self, provided: Functions, replacements: Functions
+    ) -> tuple[dict[str, Callable], list[str]]:
         """Run it as a module; return the functions that it defines, and what went wrong.
 
-        The parts may use the functions of `given` and, in a notebook, `np`. After the parts have
-        run, the functions of `instead` replace those of the same names.
+        The parts may use the provided functions and, in a notebook, `np`. After the parts have
+        run, the replacements take the place of the functions of the same names.
         """
         module = ModuleType("student")
-        mine = ModuleType("mine")
-        vars(mine).update(given)  # the functions of earlier lessons
-        sys.modules.update(student=module, mine=mine)
-        problems = []
+        earlier_lessons = ModuleType("mine")
+        vars(earlier_lessons).update(provided)
+        sys.modules.update(student=module, mine=earlier_lessons)
         sys.path.append(str(self.path.parent))
         names = vars(module)
-        builtins = vars(sys.modules["builtins"])
-        names |= {"__file__": str(self.path), "__builtins__": builtins, **given}
+        names["__file__"] = str(self.path)
+        names["__builtins__"] = vars(sys.modules["builtins"])
+        names.update(provided)
         if self.is_notebook:
             names["np"] = sys.modules["numpy"]
+        problems = []
         for name, source in self.cells:
             try:
                 with np.errstate(), catch_warnings():
@@ -87,9 +94,11 @@ class Submission:
             except BaseException as error:  # such as SystemExit
                 part = name if self.is_notebook else "at import"
                 problems.append(f"{part}: {error_text(error, name)}")
-        defined = list(names.items())
-        names |= instead
-        functions = {name: f for name, f in defined if callable(f) and f is not given.get(name)}
+        functions = {}
+        for name, defined in list(names.items()):
+            if callable(defined) and defined is not provided.get(name):
+                functions[name] = defined
+        names.update(replacements)
         return functions, problems
 
 
@@ -108,19 +117,24 @@ def read_submission(path: Path) -> Submission:
 
 
 def _read(path: Path) -> Submission:
+    """The file; raise a ValueError that says what is wrong with it."""
     is_notebook = Submission(path).is_notebook
     largest = LARGEST_NOTEBOOK if is_notebook else LARGEST_PROGRAM
     with path.open("rb") as file:
         content = file.read(largest + 1)
     if len(content) > largest:
         raise ValueError(f"it is larger than {largest // 2**20} MB")
-    if not is_notebook:
-        return Submission(path, ((str(path), content),))
+    if is_notebook:
+        return _read_notebook(path, content)
+    return Submission(path, ((str(path), content),))
+
+
+def _read_notebook(path: Path, content: bytes) -> Submission:
+    """The exercise cells of a notebook."""
     try:
         cells = json.loads(content.decode("utf-8-sig"))["cells"]
         marked = [_id(cell) for cell in cells if is_exercise(cell) and _id(cell)]
-        ids = {_id(cell).removesuffix("_check") for cell in cells} - {""}
-        ids |= {name for cell in cells for name in CHECK.findall(_source(cell))}
+        ids = _names_of_exercises(cells)
         sources = _answers(cells, ids)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError(f"it is not a Jupyter notebook: {error}") from None
@@ -130,38 +144,53 @@ def _read(path: Path) -> Submission:
     return Submission(path, tuple(sources), frozenset(ids), copied)
 
 
-def _answers(cells: list[dict], ids: Collection[str]) -> list[tuple[str, str]]:
+def _names_of_exercises(cells: list[dict[str, Any]]) -> set[str]:
+    """The names of the exercises by the marks of their cells, and by the calls that check them."""
+    names = {_id(cell).removesuffix("_check") for cell in cells} - {""}
+    for cell in cells:
+        names.update(CHECK.findall(_source(cell)))
+    return names
+
+
+def _answers(cells: list[dict[str, Any]], ids: Collection[str]) -> list[tuple[str, str]]:
     """The cells with the exercises: those that are marked, except that a stub gives way to others.
 
     A stub is replaced by each cell that defines the same function, whether it is marked or not.
     """
     marked = [cell for cell in cells if is_exercise(cell)]
     stubs = [cell for cell in marked if STUB.search(_source(cell))]
-    answered = {n for cell in marked if cell not in stubs for n in _defined(_source(cell))}
+    answered: set[str] = set()
+    for cell in marked:
+        if cell not in stubs:
+            answered |= _names_defined(_source(cell))
+    code_cells = [cell for cell in cells if cell["cell_type"] == "code"]
     sources = []
-    for number, cell in enumerate((c for c in cells if c["cell_type"] == "code"), 1):
-        defined = _defined(_source(cell)) & set(ids)
+    for number, cell in enumerate(code_cells, 1):
+        defined = _names_defined(_source(cell)) & set(ids)
+        is_answered = bool(defined & answered)
         if cell in stubs and defined and defined <= answered:
             continue
-        if cell in marked or (defined and not defined & answered):
+        if cell in marked or (defined and not is_answered):
             sources.append((f"cell {_id(cell) or number}", _source(cell)))
     return sources
 
 
-def is_exercise(cell: dict) -> bool:
+def is_exercise(cell: dict[str, Any]) -> bool:
     """Whether a cell is one that a student fills."""
     marks = cell["metadata"].get("nbgrader", {})
     return cell["cell_type"] == "code" and bool(marks.get("solution"))
 
 
-def _defined(text: str) -> set[str]:
+def _names_defined(text: str) -> set[str]:
+    """The names of the functions that a text defines."""
     return set(DEFINITION.findall(text))
 
 
-def _id(cell: dict) -> str:
+def _id(cell: dict[str, Any]) -> str:
+    """nbgrader's name of a cell, or ""."""
     return str(cell["metadata"].get("nbgrader", {}).get("grade_id", ""))
 
 
-def _source(cell: dict) -> str:
+def _source(cell: dict[str, Any]) -> str:
     """The text of a cell without Jupyter's own commands."""
     return MAGIC.sub("pass", "".join(cell["source"]))

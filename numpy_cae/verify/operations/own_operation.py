@@ -1,27 +1,39 @@
 """`properties_of`: the properties of an operation of one's own, and their tests in pytest."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from numpy_cae.verify.checks.call import is_pair
-from numpy_cae.verify.operations import operation as drawing
-from numpy_cae.verify.operations.case import VALUES
-from numpy_cae.verify.operations.operation import CLASSES, Operation, Values, names_in
+from numpy_cae.verify.checks.calls import is_value_and_pullback
+from numpy_cae.verify.operations.case import Sizes, simplest_case
+from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.property import Property
+from numpy_cae.verify.operations.shapes import (
+    Arguments,
+    Values,
+    add_choice_of_array,
+    arguments_of,
+    leading_axes,
+    names_in,
+)
 from numpy_cae.verify.operations.shared_properties import shared_properties
+from numpy_cae.verify.operations.values import VALUES
 
 SIZES = (1, 2, 3, 4, 5, 7, 8, 15, 31, 32, 33, 62, 63, 64, 65)
-"""SIZES: the numbers that a size is drawn from if the caller does not state them."""
+"""The numbers that a size is drawn from if the caller does not state them."""
 SIZE = re.compile(r"[^\W\d]\w*|\d+|(?:\w+[*+])+\w+")
 IN_USE = ("values", "of", "layout", "upstream", "axes", "state", "seed")
-"""IN_USE: names of what a case has besides sizes."""
+"""Names of what a case has besides sizes."""
 DTYPES = ("float64", "float32")
-SMOOTH = {"values": tuple(v for v in VALUES if v not in ("near ties", "tiny", "mixed", "wide"))}
-"""Classes of values where differences are a good derivative: not beside kinks, nor where entries
-are tiny or of very different size."""
+RANGE = (-2.0, 2.0)
+"""The range of an argument's numbers if the caller does not state it."""
+NOT_SMOOTH = ("near ties", "tiny", "mixed", "wide")
+"""Classes of values where differences are no good derivative: beside kinks, or where entries are
+tiny or of very different size."""
+SMOOTH = {"values": tuple(name for name in VALUES if name not in NOT_SMOOTH)}
 
 
 def properties_of(
@@ -88,7 +100,7 @@ def properties_of(
     >>> def scaled(x, scale):
     ...     return scale * x, lambda dy: (scale * dy, np.sum(x * dy, axis=0) / len(x))
     >>> stated = verify.properties_of(scaled, {"x": "batch channels", "scale": "channels"})
-    >>> [each.name for each in stated][:3]
+    >>> [prop.name for prop in stated][:3]
     ['gradient for x', 'gradient for scale', 'ties']
     >>> verify.check_property(stated[1], scaled)
     Traceback (most recent call last):
@@ -97,35 +109,57 @@ def properties_of(
     """
     name = getattr(f, "__name__", "the operation")
     shapes = {x: re.sub(r"\s*([*+])\s*", r"\1", text) for x, text in shapes.items()}
-    _require_sizes(name, shapes)
-    used = {*(sizes or ()), *(values or ()), *(differentiable or ())}
-    known = [*shapes, *names_in(shapes), *drawing.leading_axes(shapes)]
-    _require_known(name, "shapes", used, known)
-    values = {**dict.fromkeys(shapes, (-2.0, 2.0)), **(values or {})}
-    dtype = np.float32 if tuple(dtypes) == ("float32",) else np.float64
-    arguments = drawing.arguments_of(shapes, values, dtype)
-    every = drawing.with_each_array({**_drawn_sizes(shapes), **CLASSES, **(sizes or {})}, arguments)
-    example = arguments(drawing.simplest_case(every))
-    if differentiable is None:
-        differentiable = [name for name, array in example.items() if array.dtype.kind == "f"]
-    has_pullback = definition is not None and is_pair(definition(*example.values()))
-    options = {"without_ties": SMOOTH, "saturates": True, "seeded_by": f"seed {seed}"}
-    options["drawn_by_caller"] = tuple(x for x in values if callable(values[x]))
-    options["reference" if has_pullback else "definition"] = definition
-    operation = Operation(name, every, arguments, tuple(differentiable), **options)
-    stated = tuple(shared_properties(operation))
+    sizes = sizes or {}
+    values = values or {}
     marks = marks or {}
-    _require_known(name, "the list of properties", {*skip, *marks}, [each.name for each in stated])
+    _require_sizes(name, shapes)
+    known_names = [*shapes, *names_in(shapes), *leading_axes(shapes)]
+    _require_known(name, "shapes", {*sizes, *values, *(differentiable or ())}, known_names)
+    dtype = np.float32 if tuple(dtypes) == ("float32",) else np.float64
+    arguments = arguments_of(shapes, {**dict.fromkeys(shapes, RANGE), **values}, dtype)
+    all_sizes = {**_default_sizes(shapes), "values": tuple(VALUES), **_as_tuples(sizes)}
+    operation = _own_operation(name, all_sizes, arguments, definition, differentiable)
+    drawn_by_caller = tuple(argument for argument in values if callable(values[argument]))
+    operation = replace(operation, seeded_by=f"seed {seed}", drawn_by_caller=drawn_by_caller)
+    stated = list(shared_properties(operation))
+    property_names = [prop.name for prop in stated]
+    _require_known(name, "the list of properties", {*skip, *marks}, property_names)
     left_out = {*skip} if tuple(dtypes) == DTYPES else {*skip, "dtype"}
-    marked = (replace(each, marks=marks.get(each.name, ()), example_of="stated") for each in stated)
-    return tuple(each for each in marked if each.name not in left_out)
+    return tuple(
+        replace(prop, marks=marks.get(prop.name, ()), example_of="stated")
+        for prop in stated
+        if prop.name not in left_out
+    )
 
 
-def _require_known(name: str, where: str, used: set[str], known: Sequence[str]) -> None:
-    missing = ", ".join(sorted(used - {*known}))
+def _own_operation(
+    name: str,
+    sizes: Sizes,
+    arguments: Arguments,
+    definition: Callable | None,
+    differentiable: Sequence[str] | None,
+) -> Operation:
+    """The operation; a definition that returns a value and a pullback is its reference."""
+    sizes = add_choice_of_array(sizes, arguments)
+    example = arguments(simplest_case(sizes))
+    if differentiable is None:
+        differentiable = [x for x, array in example.items() if array.dtype.kind == "f"]
+    operation = Operation(
+        name, sizes, arguments, tuple(differentiable), saturates=True, without_ties=SMOOTH
+    )
+    if definition is None:
+        return operation
+    if is_value_and_pullback(definition(*example.values())):
+        return replace(operation, reference=definition)
+    return replace(operation, definition=definition)
+
+
+def _require_known(name: str, where: str, used: set[str], known_names: Collection[str]) -> None:
+    """Raise a ValueError if a name is used that is not known."""
+    missing = ", ".join(sorted(used - {*known_names}))
     if missing:
-        named = ", ".join(each for each in known if not each.isdigit())
-        raise ValueError(f"{name}: {where} has no {missing}, only {named}")
+        words = ", ".join(word for word in known_names if not word.isdigit())
+        raise ValueError(f"{name}: {where} has no {missing}, only {words}")
 
 
 def _require_sizes(name: str, shapes: Mapping[str, str]) -> None:
@@ -137,19 +171,27 @@ def _require_sizes(name: str, shapes: Mapping[str, str]) -> None:
                 raise ValueError(f"{name}: {argument} has the size {size!r}; {rule}")
 
 
-def _drawn_sizes(shapes: Mapping[str, str]) -> dict[str, tuple]:
+def _as_tuples(sizes: Mapping[str, Sequence[int]]) -> dict[str, tuple]:
+    """The sizes that a caller states."""
+    return {name: tuple(options) for name, options in sizes.items()}
+
+
+def _default_sizes(shapes: Mapping[str, str]) -> dict[str, tuple]:
     """The numbers to draw each size from, and how many axes "..." stands for."""
-    leading = drawing.leading_axes(shapes) if "..." in " ".join(shapes.values()) else []
-    names = [*names_in(shapes), *(name for name in leading if not name.isdigit())]
-    drawn: dict[str, tuple] = dict.fromkeys(names, SIZES)
-    if leading:
-        is_alone = set(shapes.values()) == {"..."}
-        drawn["axes"] = (3, 4, 2, 1) if is_alone else (2, *range(len(leading) + 1))
-    return drawn
+    sizes: dict[str, tuple] = dict.fromkeys(names_in(shapes), SIZES)
+    if "..." not in " ".join(shapes.values()):
+        return sizes
+    leading = leading_axes(shapes)
+    for name in leading:
+        if not name.isdigit():
+            sizes[name] = SIZES
+    is_alone = set(shapes.values()) == {"..."}
+    sizes["axes"] = (3, 4, 2, 1) if is_alone else (2, *range(len(leading) + 1))
+    return sizes
 
 
 def operation_test(
-    shapes: Mapping[str, str], definition: Callable | None = None, **options
+    shapes: Mapping[str, str], definition: Callable | None = None, **options: Any
 ) -> Callable[[Callable], Callable]:
     """Make a test of each property of an operation, in a test file of pytest.
 
@@ -185,8 +227,8 @@ def operation_test(
 
     def with_properties(f: Callable) -> Callable:
         stated = properties_of(f, shapes, definition, **options)
-        named = (replace(each, example_of=f.__name__) for each in stated)
-        f.operation_test = tuple(named)  # type: ignore[attr-defined]
+        named = tuple(replace(prop, example_of=f.__name__) for prop in stated)
+        f.operation_test = named  # type: ignore[attr-defined]
         f.operation_arrays = tuple(shapes)  # type: ignore[attr-defined]
         return f
 

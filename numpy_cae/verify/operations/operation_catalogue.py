@@ -7,13 +7,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
-import numpy as np
-
-from numpy_cae.verify.operations.case import ORDINARY, Case
+from numpy_cae.verify.operations.case import Case, Option
 from numpy_cae.verify.operations.operation import OPERATIONS
-from numpy_cae.verify.operations.property import THE_UPSTREAM, Property, right_results
+from numpy_cae.verify.operations.patch import definition_of
+from numpy_cae.verify.operations.property import Property
+from numpy_cae.verify.operations.results import right_results
 from numpy_cae.verify.operations.shared_properties import LARGEST, own_properties, shared_properties
+from numpy_cae.verify.operations.upstream import THE_UPSTREAM, Upstream
+from numpy_cae.verify.operations.values import ORDINARY
 
 
 @dataclass(frozen=True)
@@ -33,13 +36,13 @@ class Exercise:
 
 def properties_of_operation(name: str) -> tuple[Property, ...]:
     """Every property of an operation."""
-    every = [*shared_properties(OPERATIONS[name]), *own_properties(OPERATIONS[name])]
-    return tuple(sorted(every, key=lambda stated: stated.name == LARGEST))  # it takes longest
+    operation = OPERATIONS[name]
+    properties = [*shared_properties(operation), *own_properties(operation)]
+    return tuple(sorted(properties, key=lambda stated: stated.name == LARGEST))  # it takes longest
 
 
 CATALOGUE: dict[str, Exercise] = {
-    name: Exercise(name, operation.reference, properties_of_operation(name))
-    for name, operation in OPERATIONS.items()
+    name: Exercise(name, definition_of(name), properties_of_operation(name)) for name in OPERATIONS
 }
 
 
@@ -86,13 +89,13 @@ def properties(name: str) -> tuple[Property, ...]:
 class Example:
     """The arguments of a case and, for an operation, the right results."""
 
-    arguments: dict[str, object]
-    upstream: np.ndarray | float | None = None
-    value: np.ndarray | float | None = None
-    gradients: dict[str, np.ndarray] = field(default_factory=dict)
+    arguments: dict[str, Any]
+    upstream: Upstream | None = None
+    value: Any = None
+    gradients: dict[str, Any] = field(default_factory=dict)
 
 
-def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int | str) -> Example:
+def example(name: str | Exercise | Property | Callable, seed: int, **sizes: Option) -> Example:
     """The arguments of a counterexample: a report prints the call of this function.
 
     Parameters
@@ -122,12 +125,7 @@ def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int 
     >>> case.arguments["x"].ravel().tolist(), case.value.ravel().tolist()
     ([2.0, 1.0], [2.0])
     """
-    if isinstance(name, Property):
-        properties = (name,)
-    elif callable(name):
-        properties = name.operation_test  # type: ignore[attr-defined]
-    else:
-        properties = find_exercise(name).properties
+    properties = _properties_named(name)
     case = _case_of(properties, seed, sizes)
     arguments = properties[0].arguments(case)
     operation = properties[0].definition
@@ -139,16 +137,29 @@ def example(name: str | Exercise | Property | Callable, seed: int, **sizes: int 
     return Example(arguments, inputs[THE_UPSTREAM], value, named)
 
 
-def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int | str]) -> Case:
+def _properties_named(name: str | Exercise | Property | Callable) -> tuple[Property, ...]:
+    """The properties of what `example` is called with."""
+    if isinstance(name, Property):
+        return (name,)
+    if isinstance(name, str | Exercise):
+        return find_exercise(name).properties
+    return name.operation_test  # type: ignore[attr-defined]
+
+
+def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, Option]) -> Case:
     """A case of an operation's properties; a ValueError if a size is missing or unknown."""
     allowed: dict[str, list] = {}
-    for name, options in (each for stated in properties for each in stated.sizes.items()):
-        allowed.setdefault(name, []).extend(options)
+    for stated in properties:
+        for name, options in stated.sizes.items():
+            allowed.setdefault(name, []).extend(options)
     needed = {name for name, options in allowed.items() if ORDINARY not in options}
-    if not needed <= set(sizes) <= set(allowed):
+    if not needed <= sizes.keys() <= allowed.keys():
         text = f"{', '.join(allowed)}, got {', '.join(sizes)}"
         raise ValueError(f"{properties[0].operation} has the sizes {text}")
-    unknown = [s for n, s in sizes.items() if isinstance(s, str) and s not in allowed[n]]
+    unknown = []
+    for name, size in sizes.items():
+        if isinstance(size, str) and size not in allowed[name]:
+            unknown.append(size)
     if unknown:
         raise ValueError(f"{properties[0].operation} is not tried with {', '.join(unknown)}")
     return Case(tuple(sizes.items()), seed)
@@ -157,5 +168,5 @@ def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, int 
 def example_call(stated: Property, case: Case) -> str:
     """The call of `verify.example` that returns a case of a property."""
     name = stated.example_of or f'"{stated.operation}"'
-    sizes = ", ".join(f"{n}={size!r}" for n, size in case.sizes if size != ORDINARY)
-    return f"example({name}, {sizes}, seed={case.seed})"
+    sizes = [f"{size_name}={size!r}" for size_name, size in case.sizes if size != ORDINARY]
+    return f"example({name}, {', '.join(sizes)}, seed={case.seed})"

@@ -1,0 +1,64 @@
+"""The cases in which a property does not hold, and the smallest one."""
+
+from collections.abc import Callable, Iterator
+
+from numpy_cae.verify.checks.mismatch import kind_and_subject
+from numpy_cae.verify.operations.case import SEEDS_TRIED, Case, Sizes
+from numpy_cae.verify.operations.property import Property
+
+MAX_SHRINKS = 150
+"""So many simpler cases are tried to find a smaller counterexample."""
+
+
+def failure(tried: Property, implementation: Callable, case: Case) -> BaseException | None:
+    """The error that a check raises in a case, or None."""
+    try:
+        tried.check(implementation, case)
+    except (Exception, SystemExit) as error:
+        return error
+    return None
+
+
+def failing_case(
+    tried: Property, implementation: Callable, begin: Callable[[Case], None] | None = None
+) -> Case | None:
+    """The first case in which a property does not hold, or None.
+
+    `begin` is called with each case before it is tried.
+    """
+    for case in tried.cases():
+        if begin is not None:
+            begin(case)
+        if failure(tried, implementation, case) is not None:
+            return case
+    return None
+
+
+def smallest_case(
+    tried: Property, implementation: Callable, case: Case, expected: tuple[str, str]
+) -> Case:
+    """A case that fails with this kind and subject; making any one size simpler would pass."""
+    count = 0
+    while count < MAX_SHRINKS:
+        smaller = None
+        for simpler in _simplify(case, tried.sizes):
+            count += 1
+            error = failure(tried, implementation, simpler)
+            if error is not None and kind_and_subject(error) == expected:
+                smaller = simpler
+                break
+        if smaller is None:
+            return case
+        case = smaller
+    return case
+
+
+def _simplify(case: Case, sizes: Sizes) -> Iterator[Case]:
+    """The case with one size, class or seed made simpler, largest simplifications first."""
+    for number, (name, size) in enumerate(case.sizes):
+        simpler_options = sizes[name][: sizes[name].index(size)]
+        for option in simpler_options:
+            changed = (*case.sizes[:number], (name, option), *case.sizes[number + 1 :])
+            yield Case(changed, case.seed)
+    for seed in range(min(case.seed, SEEDS_TRIED)):
+        yield Case(case.sizes, seed)
