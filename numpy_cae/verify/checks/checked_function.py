@@ -166,14 +166,13 @@ class CheckedFunction:
         leaves = self.leaves
         changes = [None if gradient is None else 0 * gradient for gradient in gradients]
         in_single = [i for i, x in enumerate(leaves) if getattr(x, "dtype", None) == np.float32]
+        factors = np.array([-SINGLE, SINGLE], np.float32)
         if not in_single:
             return changes
         for _ in range(ROUNDED):
             rounded = copy_arrays(leaves)
             for i in in_single:
-                rounded[i] *= 1 + rng.choice(
-                    np.array([-SINGLE, SINGLE], np.float32), leaves[i].shape
-                )
+                rounded[i] *= 1 + rng.choice(factors, leaves[i].shape)
             moved_gradients = self.pull(self.outputs(rounded)[1], dys)
             for number, moved in enumerate(moved_gradients):
                 change = changes[number]
