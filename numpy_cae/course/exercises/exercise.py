@@ -38,8 +38,8 @@ from numpy_cae import ops
 from numpy_cae.course.exercises import arguments, checks
 from numpy_cae.course.exercises.own_checks import CHECKS
 from numpy_cae.course.solutions import building_blocks, first_paper, second_paper
-from numpy_cae.verify.operations.operation_catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation, sizes_of
+from numpy_cae.verify.operations.operation_catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.property import EXAMPLES, GRADIENT, REST, VALUE, Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
