@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tools.gift import QUIZ, Question, questions_of
 
-A_LESSON = 2
+QUESTIONS_A_LESSON = 2
 LETTERS = "abcd"
 
 
@@ -21,21 +21,27 @@ def exam(quiz: str, seed: int, numbers: list[str]) -> tuple[str, str]:
     """The text of an exam and that of its key."""
     rng = random.Random(seed)
     lessons: dict[str, list[Question]] = {}
-    for each in questions_of(quiz):
-        if each.is_marked and (not numbers or each.lesson in numbers):
-            lessons.setdefault(each.lesson, []).append(each)
-    drawn = [each for every in lessons.values() for each in rng.sample(every, A_LESSON)]
+    for question in questions_of(quiz):
+        if question.is_marked and (not numbers or question.lesson in numbers):
+            lessons.setdefault(question.lesson, []).append(question)
+    drawn: list[Question] = []
+    for questions in lessons.values():
+        drawn += rng.sample(questions, QUESTIONS_A_LESSON)
     rng.shuffle(drawn)
-    asked = [f"# Exam {seed}", "One point a question. Name: ____________________"]
+    paragraphs = [f"# Exam {seed}", "One point a question. Name: ____________________"]
     key = [f"# Key of exam {seed}"]
-    for number, each in enumerate(drawn, 1):
-        choices = rng.sample([each.answer, *each.wrong], len(each.wrong) + 1) if each.wrong else []
-        lines = [f"{number}. {each.text}"]
-        lines += [f"   ({letter}) {text}" for letter, text in zip(LETTERS, choices, strict=False)]
-        asked.append("\n".join(lines))
-        letter = f"({LETTERS[choices.index(each.answer)]}) " if choices else ""
-        key.append(f"{number}. {letter}{each.answer} (lesson {each.lesson}, question {each.place})")
-    return "\n\n".join(asked) + "\n", "\n".join(key) + "\n"
+    for number, question in enumerate(drawn, 1):
+        lines = [f"{number}. {question.text}"]
+        answer = question.answer
+        if question.wrong:
+            choices = [question.answer, *question.wrong]
+            choices = rng.sample(choices, len(choices))
+            for letter, text in zip(LETTERS, choices, strict=False):
+                lines.append(f"   ({letter}) {text}")
+            answer = f"({LETTERS[choices.index(question.answer)]}) {answer}"
+        paragraphs.append("\n".join(lines))
+        key.append(f"{number}. {answer} (lesson {question.lesson}, question {question.place})")
+    return "\n\n".join(paragraphs) + "\n", "\n".join(key) + "\n"
 
 
 def main() -> None:

@@ -18,8 +18,12 @@ from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.copies import choose_lessons
 from numpy_cae.course.notebooks import number_of, read_notebook
 
-TAG, MADE_OF = "gallery", "made of"
-WIDTH, HEIGHT = 480, 320  # pixels at most
+TAG = "gallery"
+MADE_OF = "made of"
+WIDTH = 480
+"""A picture has so many pixels across at most."""
+HEIGHT = 320
+"""A picture has so many pixels from top to bottom at most."""
 COLOURS = 64
 
 
@@ -28,8 +32,8 @@ def picture_of(notebook: dict) -> bytes:
     cells = notebook["cells"]
     tagged = [cell for cell in cells if TAG in cell["metadata"].get("tags", ())]
     outputs = [output for cell in tagged or cells for output in cell.get("outputs", ())]
-    shown = [output.get("data", {}) for output in outputs]
-    pictures = [data["image/png"] for data in shown if "image/png" in data]
+    data_of_outputs = [output.get("data", {}) for output in outputs]
+    pictures = [data["image/png"] for data in data_of_outputs if "image/png" in data]
     if not pictures:
         where = f"the cell tagged {TAG!r}" if tagged else "the lesson"
         raise ValueError(f"{where} shows no picture: was it executed?")
@@ -38,7 +42,8 @@ def picture_of(notebook: dict) -> bytes:
 
 def write_picture(notebook: dict, lesson: str | Path) -> Path:
     """Write the picture of an executed lesson, whose file is `lesson`; returns the path."""
-    drawn, path = picture_of(notebook), picture_path(lesson)
+    drawn = picture_of(notebook)
+    path = picture_path(lesson)
     path.parent.mkdir(exist_ok=True)
     with Image.open(io.BytesIO(drawn)) as picture:
         small = Image.new("RGB", picture.size, "white")

@@ -19,7 +19,7 @@ NUMBER = re.compile(r"(?:[^;,]*= )?([-−]?\d[\d ]*(?:\.\d+)?)\.?")
 """An answer that is one number, or a calculation that ends with one."""
 
 
-def escaped(text: str) -> str:
+def escape_gift(text: str) -> str:
     """A text in which the characters that GIFT uses stand for themselves."""
     return SPECIAL.sub(r"\\\1", text)
 
@@ -47,13 +47,18 @@ class Question:
 
     def as_gift(self) -> str:
         """The question in the format GIFT, with its answer as feedback."""
-        answers = f"#{self.number}" + ":0.0005" * ("." in self.number) if self.number else ""
-        if self.wrong:
-            wrong = (f"~{escaped(each)}" for each in self.wrong)
-            answers = " ".join([f"={escaped(self.answer)}", *wrong])
         name = f"{self.lesson}.{self.place}"
-        feedback = f"####{escaped(self.answer)}"
-        return f"::{name}::[markdown]{escaped(self.text)} {{{answers}{feedback}}}"
+        feedback = f"####{escape_gift(self.answer)}"
+        return f"::{name}::[markdown]{escape_gift(self.text)} {{{self._gift_answers()}{feedback}}}"
+
+    def _gift_answers(self) -> str:
+        """The choices, or the number with its tolerance; nothing for an essay question."""
+        if self.wrong:
+            wrong = [f"~{escape_gift(choice)}" for choice in self.wrong]
+            return " ".join([f"={escape_gift(self.answer)}", *wrong])
+        if "." in self.number:
+            return f"#{self.number}:0.0005"
+        return f"#{self.number}" if self.number else ""
 
 
 def questions_of(quiz: str) -> Iterator[Question]:
@@ -61,9 +66,9 @@ def questions_of(quiz: str) -> Iterator[Question]:
     for lesson in re.split(r"^## ", quiz, flags=re.M)[1:]:
         title, *lines = lesson.splitlines()
         for line in lines:
-            if asked := re.fullmatch(r"(\d+)\. (.+) → (.+)", line):
-                place, text, answers = asked.groups()
-                answer, *wrong = (each.rstrip(".") for each in answers.split(" ✗ "))
+            if question := re.fullmatch(r"(\d+)\. (.+) → (.+)", line):
+                place, text, answers = question.groups()
+                answer, *wrong = (choice.rstrip(".") for choice in answers.split(" ✗ "))
                 yield Question(title.partition(" ")[0], place, text, answer, tuple(wrong))
 
 
@@ -71,11 +76,11 @@ def as_gift(quiz: str) -> str:
     """The questions of all lessons, one category each."""
     titles = {title[:3].strip(): title for title in re.findall(r"^## (.+)$", quiz, flags=re.M)}
     blocks = []
-    for each in questions_of(quiz):
-        category = f"$CATEGORY: numpy_cae/{titles[each.lesson]}"
+    for question in questions_of(quiz):
+        category = f"$CATEGORY: numpy_cae/{titles[question.lesson]}"
         if category not in blocks:
             blocks.append(category)
-        blocks.append(each.as_gift())
+        blocks.append(question.as_gift())
     return "\n\n".join(blocks) + "\n"
 
 

@@ -33,15 +33,18 @@ def slides_of(lesson: Path) -> list[str]:
     return [slide.strip() for slide in re.split(r"^---$", text, flags=re.MULTILINE)]
 
 
-def shown(notebook: dict, cell_id: str, what: str) -> str:
-    """What a cell shows, as HTML; a ValueError if the lesson has no such cell, or it shows none."""
+def picture_html(notebook: dict, cell_id: str, alternative: str) -> str:
+    """What a cell shows, as HTML; a ValueError if the lesson has no such cell, or it shows none.
+
+    `alternative` is the alternative text of a picture.
+    """
     for cell in notebook["cells"]:
         if cell["id"] == cell_id:
             for output in reversed(cell.get("outputs", ())):
                 data = output.get("data", {})
                 if "image/png" in data:
                     png = "".join(data["image/png"]).replace("\n", "")
-                    return f'<img alt="{escape(what)}" src="data:image/png;base64,{png}">'
+                    return f'<img alt="{escape(alternative)}" src="data:image/png;base64,{png}">'
                 if "text/html" in data:
                     return "".join(data["text/html"])
     raise ValueError(f"no cell {cell_id!r} shows a picture")
@@ -57,10 +60,11 @@ def deck(lesson: Path) -> str:
     markdown.use(dollarmath_plugin, renderer=_formula)
     pages = []
     for slide in slides_of(lesson):
-        text = PICTURE.sub(lambda found: f"PICTURE-{found[2]}", slide)
+        text = PICTURE.sub(lambda match: f"PICTURE-{match[2]}", slide)
         page = markdown.render(text)
-        for what, cell_id in PICTURE.findall(slide):
-            page = page.replace(f"PICTURE-{cell_id}", shown(notebook, cell_id, what))
+        for alternative, cell_id in PICTURE.findall(slide):
+            picture = picture_html(notebook, cell_id, alternative)
+            page = page.replace(f"PICTURE-{cell_id}", picture)
         pages.append(f"<section>{page}</section>")
     page = PAGE.read_text(encoding="utf-8").replace("@title@", escape(lesson.stem))
     return page.replace("@mathjax@", MATHJAX).replace("@slides@", "\n".join(pages))
