@@ -14,7 +14,8 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.errors import NumpyCaeError
 
-FREE_BYTES, MAX_EXPANSION = 1 << 22, 8
+FREE_BYTES = 1 << 22
+MAX_EXPANSION = 8
 """A file may unpack to at most FREE_BYTES + MAX_EXPANSION · its size; weights hardly compress."""
 
 

@@ -15,8 +15,7 @@ from pathlib import Path
 from numpy_cae.errors import FileError
 
 LONGEST_NAME = 50
-"""LONGEST_NAME: the temporary name has so many characters of the name, as systems allow 255 bytes
-in all."""
+"""The temporary name has at most so many characters of the name: systems allow 255 bytes in all."""
 
 
 @contextmanager
@@ -32,7 +31,8 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
     """
     path = Path(path)
     require_place(path)
-    begin, end = f".{path.stem[:LONGEST_NAME]}.", f".part{path.suffix}"
+    begin = f".{path.stem[:LONGEST_NAME]}."
+    end = f".part{path.suffix}"
     temporary = path.with_name(f"{begin}{os.getpid()}{end}")
     try:
         _remove_leftovers(path.parent, begin, end)

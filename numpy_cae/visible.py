@@ -3,7 +3,7 @@
 import unicodedata
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20")
-"""FORMULA: a spreadsheet takes a cell that begins with one of these for a formula; the last four
+"""A spreadsheet takes a cell that begins with one of these for a formula; the last four
 are the wide forms of the first four."""
 
 

@@ -17,14 +17,17 @@ from numpy_cae.cli.shared import arguments
 from numpy_cae.evaluation.tables import NOTE, P, compare_repairs
 from numpy_cae.manifold import MotionManifold, learn_manifold, starter
 from numpy_cae.mocap import body_of, write_bvh
-from numpy_cae.motion import RATE
+from numpy_cae.motion import RATE, Motion
 from numpy_cae.motion.quaternions import from_vector, product
 from numpy_cae.training import ProgressPrinter, recipe, zero_values
 from numpy_cae.viz.actor import local_actors
 
 KINDS = ("walk", "run", "walk_with_turn", "kick", "old_mans_walk", "squats", "sidestep", "punch")
-TAKES, SECONDS, TEST_EVERY = 96, 8.0, 6
-"""Number and length of the takes; every sixth take of each kind is for testing."""
+TAKES = 96
+SECONDS = 8.0
+"""The length of each take."""
+TEST_EVERY = 6
+"""Every sixth take of each kind is for testing."""
 _FEWER = replace(recipe("fast").fine_tuning, epochs=14, batch=8)
 SCHEDULE = replace(recipe("fast"), fine_tuning=_FEWER)
 """Recipe fast with fewer epochs and smaller batches. Both were chosen on the third take in six of
@@ -70,18 +73,21 @@ def _repair_a_walk(folder: Path, seed: int) -> None:
         write_bvh(motion, folder / f"{name}.bvh", unit=0.01)
     actors = [viz.motion_actor(motion, name, colour) for name, (motion, colour) in motions.items()]
     viz.save_viewer(actors, folder / "index.html", RATE, "a damaged walk, repaired")
-    before, after = (
-        100 * np.linalg.norm(body_of(motion) - body_of(true), axis=-1)
-        for motion in (damaged, repaired)
-    )
-    where = before > 1  # cm
+    before = _measure_distances(damaged, true)
+    after = _measure_distances(repaired, true)
+    is_wrong = before > 1
     print(
         f"{folder}/index.html: open it in a browser: a damaged walk, the same repaired, and the "
-        f"true one\n{where.sum()} joint positions were wrong by {before[where].mean():.1f} cm "
-        f"on average; after the repair they are {after[where].mean():.1f} cm off\n"
+        f"true one\n{is_wrong.sum()} joint positions were wrong by {before[is_wrong].mean():.1f} "
+        f"cm on average; after the repair they are {after[is_wrong].mean():.1f} cm off\n"
         f"{folder}/damaged.bvh, repaired.bvh, true.bvh: the same for other programs\n",
         flush=True,
     )
+
+
+def _measure_distances(motion: Motion, true: Motion) -> np.ndarray:
+    """The distance of each joint from the true one, (F, 20) in centimetres."""
+    return 100 * np.linalg.norm(body_of(motion) - body_of(true), axis=-1)
 
 
 def _train(folder: Path, seed: int, show_progress: bool) -> None:

@@ -133,12 +133,7 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Traine
     settings |= {"testing": testing} | chosen_options(args, *CONVOLUTIONAL)
     manifold = learn_manifold(learned, schedule_of(args), **settings)
     manifold.settings["folders"] = [
-        {
-            "name": folder.resolve().name,
-            "files": len(group),
-            "test": sum(matches_any(path, args.test) for path in group),
-        }
-        for folder, group in files.items()
+        _count_files(folder, group, args.test) for folder, group in files.items()
     ]
     source = f"{manifold.settings['windows']} windows"
 
@@ -146,6 +141,12 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Traine
         return f"{compare_repairs(manifold, takes, testing).text()}\n\n{NOTE}"
 
     return TrainedModel(manifold, source, measure)
+
+
+def _count_files(folder: Path, paths: list[Path], test: list[str]) -> dict[str, Any]:
+    """The name of a folder, and the numbers of its files and of those to test on."""
+    tested = sum(matches_any(path, test) for path in paths)
+    return {"name": folder.resolve().name, "files": len(paths), "test": tested}
 
 
 def _learn_sequences(args: argparse.Namespace, settings: dict[str, Any]) -> TrainedModel:

@@ -16,7 +16,8 @@ from numpy_cae.visible import visible
 Item = TypeVar("Item")
 
 
-BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
+BOLD = "\x1b[1m"
+PLAIN = "\x1b[0m"
 """What a terminal takes to print bold, and to end that."""
 
 
