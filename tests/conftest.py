@@ -7,9 +7,12 @@ from pathlib import Path
 from subprocess import PIPE, Popen
 from threading import Lock
 
-import numpy as np
 import pytest
 from hypothesis import settings
+
+for library in ("OPENBLAS", "OMP", "MKL"):
+    # Processes of `pytest -n 2` share the processors. NumPy, imported later, reads this.
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 settings.register_profile("quick", max_examples=20, deadline=None)
 settings.register_profile("thorough", max_examples=1000, deadline=None)
@@ -27,17 +30,6 @@ def counted(capsys):
     return counted
 
 
-GRADER = """
-import json, os, sys
-from numpy_cae.course import catalogue
-from numpy_cae.verify.grading.sandbox import reply_to, run_in_fork
-for line in sys.stdin:
-    folder, request = json.loads(line)
-    os.chdir(folder)
-    print(json.dumps(run_in_fork(lambda send: send(**reply_to(request)), 1000.0)), flush=True)
-"""
-
-
 @pytest.fixture(scope="session")
 def grader():
     """A process with one thread, which has imported the course and forks for each file.
@@ -47,7 +39,7 @@ def grader():
     """
     from numpy_cae.verify.grading.student_file import ONE_THREAD
 
-    command = [sys.executable, "-c", GRADER]
+    command = [sys.executable, str(Path(__file__).with_name("grader_process.py"))]
     environment = os.environ | ONE_THREAD
     with Popen(command, stdin=PIPE, stdout=PIPE, text=True, env=environment) as process:
         yield process
@@ -117,6 +109,8 @@ def tiny_manifolds():
 @pytest.fixture(scope="session")
 def untrained_manifold():
     """A manifold of random weights about the mean pose of one walk."""
+    import numpy as np
+
     from data_synth import make_take
     from numpy_cae.manifold import MotionManifold
     from numpy_cae.mocap import body_of
@@ -125,9 +119,9 @@ def untrained_manifold():
 
     body = body_of(make_take("walk", 0, 2.0, 30.0).motion)
     network = ConvAutoencoder(filters=(8, 8), taps=5, rng=np.random.default_rng(0))
-    found = MotionManifold(network, np.zeros(63), np.full(63, 0.25), bone_lengths(body))
-    found.mean_pose = found.features(body)[0].mean(axis=0)
-    return found
+    manifold = MotionManifold(network, np.zeros(63), np.full(63, 0.25), bone_lengths(body))
+    manifold.mean_pose = manifold.features(body)[0].mean(axis=0)
+    return manifold
 
 
 @pytest.fixture(scope="session")

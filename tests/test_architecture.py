@@ -5,6 +5,7 @@ import importlib
 import inspect
 import re
 from configparser import ConfigParser
+from functools import cache
 from pathlib import Path
 from pkgutil import resolve_name
 
@@ -24,14 +25,23 @@ PACKAGES = set().union(*LAYERS)
 ROOT_LAYER = -1
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """The syntax tree of a file, parsed once."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def python_files(*folders: str) -> list[Path]:
-    return [path for folder in folders for path in sorted((ROOT / folder).rglob("*.py"))]
+    paths = []
+    for folder in folders:
+        paths += sorted((ROOT / folder).rglob("*.py"))
+    return paths
 
 
 def imported_modules(path: Path) -> set[str]:
     """Dotted names of this project that a file imports, anywhere in it."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -80,11 +90,23 @@ def test_data_synth_needs_arrays_only_and_writes_files_in_one_module():
         assert used <= {"motion"} | more, path
 
 
+def test_studies_import_nothing_of_the_commands():
+    for path in python_files("studies"):
+        assert not any(name.startswith("numpy_cae.cli") for name in imported_modules(path)), path
+
+
+def test_tests_import_no_tests():
+    for path in python_files("tests"):
+        for node in ast.walk(tree_of(path)):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                assert not node.module.startswith("test_"), path
+
+
 def test_only_the_safe_reader_loads_array_files():
     loading = {
         path.name
         for path in python_files("numpy_cae", "data_synth")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.Attribute) and ast.unparse(node) in ("np.load", "pickle.load")
     }
     assert loading == {"array_file.py"}

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from data_synth import make_take
-from numpy_cae import mocap, motion
+from numpy_cae import motion
 from numpy_cae.evaluation import (
     clip_distances,
     diversity,
@@ -20,16 +19,9 @@ from numpy_cae.evaluation.tables import Clips
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.contacts import foot_sliding
 from numpy_cae.motion.fit import body_skeleton
-from studies.comparison import average_precision
-from studies.shared.validity import Validity, ValidityMeasure, bone_length_error
 
 LENGTHS = np.array([0, 12, 12, 30] + [13, 5, 25, 23] * 2 + [10, 40, 41, 13] * 2) / 100
 LEFT_TOE, RIGHT_TOE = JOINTS.index("left_toe"), JOINTS.index("right_toe")
-
-
-@pytest.fixture(scope="module")
-def walk() -> np.ndarray:
-    return mocap.body_of(make_take("walk", 3, seconds=4.0, rate=30.0).motion)
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])
@@ -67,12 +59,6 @@ def standing(frames: int = 20) -> np.ndarray:
     return np.repeat(pose[None], frames, axis=0)
 
 
-@given(st.floats(0.5, 2.0))
-def test_a_scaled_body_has_the_error_of_its_scale(size):
-    expected = 100 * abs(size - 1) * np.sqrt(np.mean(LENGTHS[1:] ** 2))
-    assert bone_length_error(size * standing(2), LENGTHS) == pytest.approx(expected)
-
-
 @given(st.floats(0.0, 3.0), st.floats(-np.pi, np.pi))
 def test_a_translated_pose_slides_at_its_speed(speed, direction):
     pushed = standing()
@@ -89,29 +75,6 @@ def test_only_the_lower_foot_counts():
     assert foot_sliding(hopping, 30.0) == 0
     hopping[:, LEFT_TOE, 1] += 0.03
     assert foot_sliding(hopping, 30.0) == pytest.approx(3000)
-
-
-def test_the_nearest_pose_equals_an_exhaustive_search(walk):
-    rng = np.random.default_rng(0)
-    features, _ = motion.positions_to_features(walk, 30.0)
-    queries = features[::7] + rng.normal(0, 0.02, features[::7].shape)
-    squares = (queries[:, None, :60] - features[None, :, :60]) ** 2
-    expected = 100 * np.sqrt(squares.mean(axis=-1).min(axis=1))
-    measure = ValidityMeasure([features], LENGTHS, 30.0)
-    np.testing.assert_allclose(measure.nearest_distances(queries), expected)
-
-
-def test_validity_is_all_measures(walk):
-    features, _ = motion.positions_to_features(walk, 30.0)
-    measure = ValidityMeasure([features], motion.bone_lengths(walk), 30.0)
-    real = measure.of(features)
-    noisy = measure.of(features + np.random.default_rng(0).normal(0, 0.03, features.shape))
-    assert real.nearest_pose == 0
-    for name in ("bone_length", "foot_sliding", "jitter", "nearest_pose"):
-        assert getattr(noisy, name) > getattr(real, name)
-    assert Validity.mean([real, noisy]).jitter == pytest.approx((real.jitter + noisy.jitter) / 2)
-    text = Validity(1, 2, 3, 1).against(Validity(1, 2, 4, 1))
-    assert "jitter, m/s² 3.00 against 4.00" in text
 
 
 def drawn(count, seed, shift=0.0):
@@ -133,20 +96,3 @@ def test_the_two_sample_test_of_equal_different_and_copied_sets():
     assert nearest_neighbour_accuracy(real, drawn(400, 1)) == pytest.approx(0.5, abs=0.05)
     assert nearest_neighbour_accuracy(real, drawn(400, 1, shift=8.0)) == 1.0
     assert nearest_neighbour_accuracy(real, real + 1e-6) == 0.0
-
-
-# Ranked: 1 (alike), 3 (not), 0 (alike), 2 (not); and 2 (not), 0 (not), 3 (alike), 1 (alike).
-DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])
-ALIKE = np.array([[True, True, False, False], [False, True, False, True]])
-
-
-def test_retrieval_by_hand_and_without_the_query_itself():
-    # Ranks 1 and 3: (1/1 + 2/3) / 2. Ranks 3 and 4: (1/3 + 2/4) / 2.
-    np.testing.assert_allclose(average_precision(DISTANCES, ALIKE), [5 / 6, 5 / 12])
-    itself = DISTANCES.copy()
-    itself[0, 1] = np.inf  # leaves a motion out
-    # Ranked: 3 (not), 0 (alike), 2 (not); only one is left to be found, at rank 2.
-    assert average_precision(itself, ALIKE)[0] == pytest.approx(1 / 2)
-    alone = np.array([[np.inf, 1.0]])
-    with pytest.raises(ValueError, match="nothing in the gallery is like query 0"):
-        average_precision(alone, np.array([[True, False]]))

@@ -6,7 +6,7 @@ import pytest
 from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import G, hidden_units
 from studies import comparison
-from studies.comparison import EQUATION_4, EUCLIDEAN, RANDOM, distances
+from studies.comparison import EQUATION_4, EUCLIDEAN, RANDOM, average_precision, distances
 from studies.shared.material import Material
 
 
@@ -67,3 +67,26 @@ def test_the_error_is_in_centimetres(small_manifold, labelled):
     assert clips.error(off, "left_wrist") == pytest.approx(1.0, rel=1e-3)
     assert clips.error(off) == pytest.approx(np.sqrt(1 / 20), rel=1e-3)
     assert clips.real.all() and len(np.unique(clips.take)) == len(labelled.testing)
+
+
+# Ranked, with * for relevant: 1*, 3, 0*, 2; and 2, 0, 3*, 1*.
+DISTANCES = np.array([[3.0, 1.0, 4.0, 2.0], [2.0, 9.0, 1.0, 3.0]])
+RELEVANT = np.array([[True, True, False, False], [False, True, False, True]])
+
+
+def test_the_average_precision_by_hand():
+    # Ranks 1 and 3: (1/1 + 2/3) / 2. Ranks 3 and 4: (1/3 + 2/4) / 2.
+    np.testing.assert_allclose(average_precision(DISTANCES, RELEVANT), [5 / 6, 5 / 12])
+
+
+def test_a_motion_at_an_infinite_distance_is_left_out():
+    distances = DISTANCES.copy()
+    distances[0, 1] = np.inf
+    # Ranked: 3 (not), 0 (relevant), 2 (not); only one is left to be found, at rank 2.
+    assert average_precision(distances, RELEVANT)[0] == pytest.approx(1 / 2)
+
+
+def test_a_query_without_an_answer_is_refused():
+    alone = np.array([[np.inf, 1.0]])
+    with pytest.raises(ValueError, match="nothing in the gallery is like query 0"):
+        average_precision(alone, np.array([[True, False]]))

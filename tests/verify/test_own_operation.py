@@ -4,21 +4,14 @@ import inspect
 
 import numpy as np
 import pytest
+from failing_properties import failing
 from own_operations import OWN_OPERATIONS
 from written_otherwise import conv1d_by_fft
 
 from numpy_cae import ops, verify
 from numpy_cae.verify.grading.report import holds
-from numpy_cae.verify.operations.counterexample import failure
 from numpy_cae.verify.operations.operation_catalogue import CATALOGUE
 from numpy_cae.verify.operations.trial import try_property
-
-
-def failing(f, shapes, part=slice(None), **options):
-    """The names of the properties that f has not, in all cases or in some."""
-    stated = verify.properties_of(f, shapes, **options)
-    return [p.name for p in stated if any(failure(p, f, case) for case in p.cases()[part])]
-
 
 SHAPES = {
     "linear": {"x": "... channels", "w": "channels features", "b": "features"},

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_own_operation import failing
+from failing_properties import failing
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
