@@ -13,6 +13,18 @@ from numpy_cae.motion.angles import ANGLES
 from numpy_cae.motion.contacts import foot_sliding as foot_sliding
 from numpy_cae.motion.features import POSITIONS, joint_slice
 
+__all__ = [
+    "PCA",
+    "angle_distance",
+    "clip_distances",
+    "diversity",
+    "foot_sliding",
+    "jitter",
+    "nearest_distance",
+    "nearest_neighbour_accuracy",
+    "position_error",
+]
+
 
 def position_error(features: np.ndarray, truth: np.ndarray, joint: str | None = None) -> float:
     """100 · √ mean((q̂ - q)²), centimetres, over the coordinates of all joints or of one.
