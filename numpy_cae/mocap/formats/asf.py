@@ -148,26 +148,35 @@ def read_asf(path: str | Path, unit: float | None = None) -> tuple[Skeleton, Joi
     """
     file = TextFile.read(path, MAX_BYTES)
     sections = _read_sections(file)
-    units, root = (_block(file, sections.get(name, [])) for name in (":units", ":root"))
+    units = _block(file, sections.get(":units", []))
+    root = _block(file, sections.get(":root", []))
     unit = _unit_of(units) if unit is None else require_unit(unit)
     angle_unit = _angle_unit_of(units)
-    bones = {"root": root}
-    for bone in _bones(file, sections[":bonedata"]):
-        name = " ".join(bone.words("name")[1])
-        if name in bones:
-            raise file.error(bone.line, f"bone name {name!r} appears a second time")
-        bones[name] = bone
+    bones = {"root": root} | _bones(file, sections[":bonedata"])
     parent_of = _parents(bones, sections[":hierarchy"])
     joints = list(parent_of)
-    channels = {name: bones[name].bone_channels(unit, angle_unit) for name in joints[1:]}
-    tips = {"root": np.zeros(3)} | {name: bones[name].tip(unit) for name in joints[1:]}
+    channels = {}
+    tips = {"root": np.zeros(3)}
+    for name in joints[1:]:
+        channels[name] = bones[name].bone_channels(unit, angle_unit)
+        tips[name] = bones[name].tip(unit)
     position = unit * np.array(root.numbers("position", 3, "0 0 0"))
     channels = {"root": root.root_channels(position, unit, angle_unit)} | channels
+    return _make_skeleton(parent_of, position, tips), channels, unit
+
+
+def _make_skeleton(
+    parent_of: dict[str, str], position: np.ndarray, tips: dict[str, np.ndarray]
+) -> Skeleton:
+    """The skeleton of bones with these parents and tips; its root is at `position`."""
+    joints = list(parent_of)
     offsets = np.array([position, *(tips[parent_of[name]] for name in joints[1:])])
     parents = (-1, *(joints.index(parent_of[name]) for name in joints[1:]))
-    above = set(parent_of.values())
-    end_sites = {n: tips[name] for n, name in enumerate(joints) if name not in above}
-    return Skeleton(tuple(joints), parents, offsets, end_sites), channels, unit
+    with_children = set(parent_of.values())
+    end_sites = {
+        joint: tips[name] for joint, name in enumerate(joints) if name not in with_children
+    }
+    return Skeleton(tuple(joints), parents, offsets, end_sites)
 
 
 def _unit_of(units: _Block) -> float:
@@ -212,20 +221,26 @@ def _block(file: TextFile, lines: _Lines) -> _Block:
     return _Block(file, 0, {words[0].lower(): (line, words[1:]) for line, words in lines})
 
 
-def _bones(file: TextFile, lines: _Lines) -> list[_Block]:
-    """The bones of `:bonedata`, each from `begin` to `end`."""
-    bones: list[_Block] = []
+def _bones(file: TextFile, lines: _Lines) -> dict[str, _Block]:
+    """The bones of `:bonedata` by name, each from `begin` to `end`."""
+    blocks: list[_Block] = []
     for line, (word, *rest) in lines:
         keyword = word.lower()
-        is_open = bool(bones) and "end" not in bones[-1].statements
+        is_open = bool(blocks) and "end" not in blocks[-1].statements
         if (keyword == "begin") == is_open:
-            expected = f"the end of the bone on line {bones[-1].line}" if is_open else "begin"
+            expected = f"the end of the bone on line {blocks[-1].line}" if is_open else "begin"
             raise file.error(line, f"expected {expected}, found {quoted(word)}")
         if keyword == "begin":
-            bones.append(_Block(file, line, {}))
-        bones[-1].statements[keyword] = line, rest
-    if bones and "end" not in bones[-1].statements:
-        raise file.error(bones[-1].line, _CUT_OFF)
+            blocks.append(_Block(file, line, {}))
+        blocks[-1].statements[keyword] = line, rest
+    if blocks and "end" not in blocks[-1].statements:
+        raise file.error(blocks[-1].line, _CUT_OFF)
+    bones: dict[str, _Block] = {}
+    for block in blocks:
+        name = " ".join(block.words("name")[1])
+        if name in bones or name == "root":
+            raise file.error(block.line, f"bone name {name!r} appears a second time")
+        bones[name] = block
     return bones
 
 

@@ -116,20 +116,33 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
         {index: np.array(joint.end.offset) for index, joint in enumerate(joints) if joint.end},
     )
     rotations, translations = read_pose(_channels(joints, 1.0), skeleton.offsets, values)
-    is_still = len(values) > 1 and (values[-1] == values[0]).all() and (values == values[0]).all()
+    still = _note_if_still(values)
     del values
-    # Where a joint has position channels, its offset may be wrong: the median in the motion is not.
-    # One joint at a time: the squares of an hour of all take a third of a gigabyte.
-    lengths = np.nanmedian([np.linalg.norm(x, axis=1) for x in translations.swapaxes(0, 1)], axis=1)
-    height = stature(skeleton, lengths)
+    height = stature(skeleton, _bone_lengths(translations))
     if unit is None:
         unit, note = guess_unit(height)
     else:
         note = stated_unit(require_unit(unit), "as given", unit * height)
     translations *= unit
-    still = [Note("still", "nothing moves: all frames are equal")] if is_still else []
     notes = (note, *skipped, *miscounted, *still)
     return Motion(skeleton.scaled(unit), rate, rotations, translations, unit, notes)
+
+
+def _note_if_still(values: np.ndarray) -> list[Note]:
+    """A note if all frames of a table (frames, channels) are equal, and there are several."""
+    if len(values) > 1 and (values[-1] == values[0]).all() and (values == values[0]).all():
+        return [Note("still", "nothing moves: all frames are equal")]
+    return []
+
+
+def _bone_lengths(translations: np.ndarray) -> np.ndarray:
+    """The length of the bone that ends at each joint, (J,), from translations (F, J, 3).
+
+    Where a joint has position channels, its offset may be wrong: the median in the motion is not.
+    """
+    # One joint at a time: the squares of an hour of all take a third of a gigabyte.
+    lengths = [np.linalg.norm(steps, axis=1) for steps in translations.swapaxes(0, 1)]
+    return np.nanmedian(lengths, axis=1)
 
 
 def bvh_channels(path: str | Path, unit: float) -> JointChannels:

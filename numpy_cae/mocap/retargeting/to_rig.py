@@ -29,7 +29,7 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import UnknownRigError
 from numpy_cae.motion.fit import ROUNDING, bend_limb, fit_fan, swing
 from numpy_cae.motion.hole_curves import remove_seams
-from numpy_cae.motion.joints import JOINTS, SIDES
+from numpy_cae.motion.joints import JOINTS
 from numpy_cae.motion.motion import Motion, blocks
 from numpy_cae.motion.quaternions import IDENTITY, angle, inverse, product, rotate
 
@@ -46,7 +46,9 @@ nearly on one line. About this line an error of a centimetre would rotate the ch
 angle. A larger τ suppresses requested rotations (docs/lab_book/retargeting.md)."""
 
 
-_MIDDLES = [JOINTS.index(f"{side}_{joint}") for side in SIDES for joint in ("elbow", "knee")]
+_MIDDLES = [
+    JOINTS.index(joint) for joint in ("left_elbow", "left_knee", "right_elbow", "right_knee")
+]
 """Joints in the middle of a limb; the joint after each in `JOINTS` is the end of its limb."""
 
 
@@ -106,22 +108,15 @@ def retarget(
     array([0. , 0.1, 0. ])
     """
     joints = rig_of(motion).joints
-    shape = (len(motion), len(JOINTS))
-    touched = np.ones(shape, dtype=bool) if touched is None else touched
-    if not callable(positions) and np.shape(positions) != (*shape, 3):
-        raise ValueError(f"positions have shape {np.shape(positions)}, expected {(*shape, 3)}")
-    if touched.shape != shape:
-        raise ValueError(f"touched has shape {touched.shape}, expected {shape}")
+    if touched is None:
+        touched = np.ones((len(motion), len(JOINTS)), dtype=bool)
+    _require_shapes(motion, positions, touched)
     bones = bones_through(motion, joints)
+    changed = _start_motion(motion, touched, start, bones, joints)
     carrier = _carrier(motion, joints[0])
-    changed = _started(motion, touched, start, bones, joints)
     for frames in blocks(np.flatnonzero(touched.any(axis=1))):
         moves = touched[frames]
-        wanted = positions(frames) if callable(positions) else positions[frames]
-        if not np.all(np.isfinite(wanted).all(axis=-1) | ~moves):
-            raise ValueError("positions hold values that are not finite")
-        present = wanted if moves.all() else motion.at(frames).positions(joints)
-        targets = np.where(moves[..., None], wanted, present)
+        targets = _targets(motion, frames, positions, moves, joints)
         part = changed.at(frames)
         pose = part.forward_kinematics()
         if moves[:, 0].any():
@@ -129,25 +124,52 @@ def retarget(
             changed.translations[frames] = part.translations
         by_joint = {joint: targets[:, index] for index, joint in enumerate(joints)}
         limbs = {joints[mid]: (joints[mid + 1], ~moves[:, mid + 1]) for mid in _MIDDLES}
-        changed.rotations[frames] = _rotated(part, pose, by_joint, limbs, bones)
+        changed.rotations[frames] = _rotate_joints(part, pose, by_joint, limbs, bones)
     return changed
 
 
-def _started(
+def _require_shapes(
+    motion: Motion, positions: np.ndarray | Callable[[np.ndarray], np.ndarray], touched: np.ndarray
+) -> None:
+    """Raise ValueError if a shape does not fit the motion."""
+    shape = (len(motion), len(JOINTS))
+    if not callable(positions) and np.shape(positions) != (*shape, 3):
+        raise ValueError(f"positions have shape {np.shape(positions)}, expected {(*shape, 3)}")
+    if touched.shape != shape:
+        raise ValueError(f"touched has shape {touched.shape}, expected {shape}")
+
+
+def _targets(
+    motion: Motion,
+    frames: np.ndarray,
+    positions: np.ndarray | Callable[[np.ndarray], np.ndarray],
+    moves: np.ndarray,
+    joints: list[int],
+) -> np.ndarray:
+    """Where the twenty joints go in some frames, (N, 20, 3): to `positions` where a joint `moves`
+    (N, 20), else where the joint is. ValueError if a target is not finite."""
+    new = positions(frames) if callable(positions) else positions[frames]
+    if not np.all(np.isfinite(new).all(axis=-1) | ~moves):
+        raise ValueError("positions hold values that are not finite")
+    present = new if moves.all() else motion.at(frames).positions(joints)
+    return np.where(moves[..., None], new, present)
+
+
+def _start_motion(
     motion: Motion, touched: np.ndarray, start: Motion | None, bones: _Bones, joints: list[int]
 ) -> Motion:
     """A copy of the motion with the rotations and translations that are then changed as little as
     the positions need: those of `start`, and rotations without seams."""
-    there = touched.any(axis=1)
+    frames = touched.any(axis=1)
     rotations = motion.rotations.copy()
     translations = motion.translations
-    moves = start is not None and np.any(start.translations != translations[there])
+    moves = start is not None and np.any(start.translations != translations[frames])
     if touched[:, 0].any() or moves:
         translations = translations.copy()
     if start is not None:
-        rotations[there] = start.rotations
+        rotations[frames] = start.rotations
         if moves:
-            translations[there] = start.translations
+            translations[frames] = start.translations
     for joint, passing in bones.items():
         ends = touched[:, [joints.index(end) for *_, end in passing]]
         damaged = ends.any(axis=1)
@@ -169,7 +191,7 @@ def _step(motion: Motion, pose: _Pose, target: np.ndarray, carrier: int, hips: i
     return rotate(inverse(around), target - positions[:, hips])
 
 
-def _rotated(
+def _rotate_joints(
     motion: Motion,
     pose: _Pose,
     targets: dict[int, np.ndarray],
@@ -194,14 +216,17 @@ def _rotated(
             continue
         ends = [end for *_, end in bones[joint]]
         if ends[0] in limbs and len(ends) == 1:
-            end, exact = limbs[ends[0]]
-            chain = before[:, [joint, ends[0], end]]
-            middle = bend_limb(after[:, joint], chain, targets[ends[0]], targets[end])
-            targets[ends[0]] = np.where(exact[:, None], middle, targets[ends[0]])
+            middle = ends[0]
+            end, exact = limbs[middle]
+            chain = before[:, [joint, middle, end]]
+            bent = bend_limb(after[:, joint], chain, targets[middle], targets[end])
+            targets[middle] = np.where(exact[:, None], bent, targets[middle])
         bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
         target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
         free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
-        corrected = _corrected(turned[:, joint], rotations_before[:, joint], bone, target, free)
+        corrected = _correct_rotation(
+            turned[:, joint], rotations_before[:, joint], bone, target, free
+        )
         changes = angle(product(corrected, inverse(turned[:, joint]))) > ROUNDING
         turned[changes, joint] = corrected[changes]
         if parent >= 0:
@@ -210,7 +235,7 @@ def _rotated(
     return rotations
 
 
-def _corrected(
+def _correct_rotation(
     rotation: np.ndarray, before: np.ndarray, bone: np.ndarray, target: np.ndarray, free: list[int]
 ) -> np.ndarray:
     """The global rotation of a joint that points its bones at their targets.
@@ -246,11 +271,20 @@ def moves_alone(motion: Motion, joint: str) -> bool:
     bones = bones_through(motion, joints)
     index = joints[JOINTS.index(joint)]
     outgoing = [bone for bone in bones.get(index, []) if bone[0] == index]
-    incoming = [bone for group in bones.values() for bone in group if bone[-1] == index]
-    return len(outgoing) < 2 and any(_free_joints(bone, bone[0], bones) for bone in incoming)
+    if len(outgoing) > 1:
+        return False
+    for group in bones.values():
+        for bone in group:
+            if bone[-1] == index and _free_joints(bone, bone[0], bones):
+                return True
+    return False
 
 
 def bones_through(motion: Motion, joints: list[int]) -> _Bones:
+    """The bones between the twenty joints, at each joint of the rig that may rotate.
+
+    Raises UnknownRigError if one of the twenty descends from none of the others.
+    """
     bones: _Bones = {}
     for name, joint in zip(JOINTS[1:], joints[1:], strict=True):
         path = motion.skeleton.path(joint)

@@ -89,7 +89,8 @@ class Rig:
     mapping : dict of str to str
         The names that the user, or else the hierarchy, gave some of the twenty joints.
     added : tuple of int
-        Indices of joints, the last ones of the skeleton, that the file lacks (`add_missing_joints`).
+        Indices of the joints that the file lacks and that `add_missing_joints` added, the last ones
+        of the skeleton.
     """
 
     indices: dict[str, int]
@@ -203,8 +204,8 @@ def add_trunk(skeleton: Skeleton, indices: dict[str, int], named: set[str]) -> N
     arms = _first_arm_joints(indices)
     if arms is None or "hips" not in indices:
         return
-    left, right = (skeleton.path(arm) for arm in arms)
-    carrier = next((joint for joint in left[1:] if joint in right[1:]), -1)
+    left_path, right_path = (skeleton.path(arm) for arm in arms)
+    carrier = next((joint for joint in left_path[1:] if joint in right_path[1:]), -1)
     ancestors = skeleton.path(carrier)[1:] if carrier >= 0 else []
     if "chest" not in named and indices.get("chest", indices["hips"]) in ancestors:
         indices["chest"] = carrier
