@@ -1,5 +1,8 @@
 """Files that disturb the grading as they can: each ends in a report that says what it did."""
 
+import subprocess
+import sys
+
 from acclaim_files import FILES
 
 from numpy_cae.cli import main
@@ -88,3 +91,15 @@ def test_a_right_function_that_is_too_slow_for_the_largest_size_keeps_what_it_ea
     held = {outcome.stated.name for outcome in report.outcomes if outcome.held}
     assert {"value", "gradient for x", "purity"} <= held and not report.held
     assert report.points >= 8 and "smaller cases were right" in str(report)
+
+
+def test_one_file_is_graded_without_the_marks_of_a_class(tmp_path):
+    (tmp_path / "right.py").write_text(RIGHT)
+    code = "import sys; from numpy_cae.cli import main; status = main(['verify', 'right.py']); "
+    code += "sys.exit(status or 'numpy_cae.course.marks' in sys.modules)"
+    command = [sys.executable, "-c", code]
+    assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0
+
+
+def test_the_lesson_of_a_file_may_stand_at_the_end_of_its_name(graded):
+    assert graded(RIGHT, name="ann_05-Copy1.py").possible == 90

@@ -36,10 +36,19 @@ something fails, 2 if there was nothing to grade.
 import argparse
 import os
 import tempfile
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from numpy_cae.cli.shared import arguments
+
+if TYPE_CHECKING:
+    from numpy_cae.verify.grading.student_file import FileReport
+
+Grade = Callable[[], "FileReport"]
+"""Grades one file."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -59,51 +68,90 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    from numpy_cae.course.marks.handed_in import SUFFIXES, HandedIn, find_files
+    if (args.roster or args.late) and not args.csv:
+        raise ValueError("--roster and --late are about the table of --csv FILE")
+    is_class = any(path.is_dir() or path.suffix == ".zip" for path in args.files)
+    if is_class or args.csv or args.feedback:
+        return _grade_class(args)
+    return _grade_files(args)
+
+
+def _grade_files(args: argparse.Namespace) -> int:
+    """Grade files one by one, and print their reports."""
+    from numpy_cae.verify.grading.submission import SUFFIXES
+
+    if not any(path.is_file() and path.suffix in SUFFIXES for path in args.files):
+        raise ValueError(_nothing_to_grade(args.files))
+    reports = _grade_all([_grader_of(path, args) for path in args.files])
+    _print_reports(reports)
+    return _status(reports)
+
+
+def _grade_class(args: argparse.Namespace) -> int:
+    """Grade the files of a class, write what the options name, and print who has which points."""
+    from numpy_cae.course.marks.class_marks import ClassMarks
+    from numpy_cae.course.marks.feedback_files import write_feedback
+    from numpy_cae.course.marks.handed_in import HandedIn, find_files
+    from numpy_cae.verify.grading.student_file import FileReport
+    from numpy_cae.verify.grading.submission import SUFFIXES
 
     with tempfile.TemporaryDirectory() as unpacked:
         files: list[HandedIn] = []
         for path in args.files:
             files += find_files(path, Path(unpacked))
-        to_grade = [
-            file
-            for file in files
-            if file.fault or (file.path.is_file() and file.path.suffix in SUFFIXES)
-        ]
-        if not to_grade:
-            missing = [path for path in args.files if not path.exists()]
-            problem = "there is no such file" if missing else "no Python file and no notebook"
-            raise ValueError(f"{', '.join(map(str, missing or args.files))}: {problem}")
-        if (args.roster or args.late) and not args.csv:
-            raise ValueError("--roster and --late are about the table of --csv FILE")
-        return _grade_files(args, files)
+        if not any(
+            file.fault or (file.path.is_file() and file.path.suffix in SUFFIXES) for file in files
+        ):
+            raise ValueError(_nothing_to_grade(args.files))
+        marks = ClassMarks(files, args.roster, args.late)
+        graders: list[Grade] = []
+        for file in files:
+            if file.fault:
+                graders.append(partial(FileReport, file.path, faults=[file.fault]))
+            else:
+                graders.append(_grader_of(file.path, args, file.lesson))
+        reports = _grade_all(graders)
+        if args.csv or args.feedback:
+            print("\n".join(marks.lines(reports)))
+        else:
+            _print_reports(reports)
+        if args.feedback:
+            write_feedback(args.feedback, marks.by_student(reports))
+        if args.csv:
+            marks.write_tables(args.csv, reports)
+    return _status(reports)
 
 
-def _grade_files(args: argparse.Namespace, files: list) -> int:
-    """Grade the files, write what the options name, and print the reports or who has which."""
-    from numpy_cae.cli.shared.output import with_progress
+def _nothing_to_grade(paths: Sequence[Path]) -> str:
+    """Why there is nothing to grade at some paths."""
+    missing = [path for path in paths if not path.exists()]
+    names = ", ".join(map(str, missing or paths))
+    problem = "there is no such file" if missing else "no Python file and no notebook"
+    return f"{names}: {problem}"
+
+
+def _grader_of(path: Path, args: argparse.Namespace, lesson: str = "") -> Grade:
+    """The function that grades a file with the limits of the command."""
     from numpy_cae.course import catalogue
-    from numpy_cae.course.marks.class_marks import ClassMarks
-    from numpy_cae.course.marks.feedback_files import write_feedback
-    from numpy_cae.verify.grading.student_file import FileReport, grade
+    from numpy_cae.verify.grading.student_file import grade
 
-    marks = ClassMarks(files, args.roster, args.late)
-    limits = (args.time_limit, int(args.memory_limit))
+    lesson = args.lesson or lesson
+    return partial(grade, path, catalogue, args.time_limit, int(args.memory_limit), lesson)
 
-    def grade_file(file) -> FileReport:
-        if file.fault:
-            return FileReport(file.path, faults=[file.fault])
-        lesson = args.lesson or file.lesson
-        return grade(file.path, catalogue, *limits, lesson)
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:  # each of them waits for its process
-        reports = list(with_progress(pool.map(grade_file, files), len(files), "file"))
-    if args.csv or args.feedback:
-        print("\n".join(marks.lines(reports)))
-    else:
-        print("\n\n".join(str(report) for report in reports))
-    if args.feedback:
-        write_feedback(args.feedback, marks.by_student(reports))
-    if args.csv:
-        marks.write_tables(args.csv, reports)
+def _grade_all(graders: Sequence[Grade]) -> list["FileReport"]:
+    """Grade files, several at once, since each of them waits for its process."""
+    from numpy_cae.cli.shared.output import with_progress
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        reports = pool.map(lambda grade_file: grade_file(), graders)
+        return list(with_progress(reports, len(graders), "file"))
+
+
+def _print_reports(reports: Sequence["FileReport"]) -> None:
+    print("\n\n".join(str(report) for report in reports))
+
+
+def _status(reports: Sequence["FileReport"]) -> int:
+    """The exit status: 0 if every property of every file holds."""
     return 0 if all(report.held for report in reports) else 1

@@ -16,8 +16,8 @@ from pathlib import Path, PurePosixPath
 
 from numpy_cae.course.catalogue import ASSIGNMENTS
 from numpy_cae.course.copies import lesson_names
+from numpy_cae.verify.grading.submission import COPY, SUFFIXES, lesson_of_name
 
-SUFFIXES = (".py", ".ipynb")
 ZIP = ".zip"
 MOST_FILES = 2000
 """A zip file may hold so many files."""
@@ -29,8 +29,6 @@ UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
 """Other methods may unpack a small entry at once to more than the memory holds."""
 MOODLE = re.compile(r"(?P<name>.+?)_(?P<number>\d+)_assignsubmission_[a-z]+_?(?P<file>.*)")
 CANVAS = re.compile(r"(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+_(?P<file>.+)")
-COPY = re.compile(r"(-Copy\d+|-\d+| ?\(\d+\))+$")
-"""What Jupyter, Canvas and browsers add to the name of a file that exists."""
 
 
 @dataclass(frozen=True)
@@ -109,19 +107,21 @@ def hand_in_by_place(
         name = parts["file"] if label == name else name
         names = (parts["number"], parts["name"])
         student = f"{parts['name']} {parts['number']}"
-        return HandedIn(file, student, names, _lesson_of(name), bool(parts.get("late")), fault)
+        return HandedIn(
+            file, student, names, lesson_of_name(name, ASSIGNMENTS), bool(parts.get("late")), fault
+        )
     if len(place.parts) == 1 and not student:
         if _is_lesson(name):
             student = file.absolute().parent.name
         else:
             student = _without_lesson(name)
     student = student or folder
-    return HandedIn(file, student, (student,), _lesson_of(name), fault=fault)
+    return HandedIn(file, student, (student,), lesson_of_name(name, ASSIGNMENTS), fault=fault)
 
 
 def _without_lesson(name: str) -> str:
     """The name of a file without the number of the lesson: ann of ann_03 and of 03_ann."""
-    lesson = _lesson_of(name) or "-"
+    lesson = lesson_of_name(name, ASSIGNMENTS) or "-"
     return re.sub(rf"^\d\db?_|_{lesson}$", "", name) or name
 
 
@@ -134,15 +134,6 @@ def _as_place(path: str | Path) -> PurePosixPath:
 def _is_lesson(stem: str) -> bool:
     """Whether a file has the name of a lesson, in which there is no student's name."""
     return COPY.sub("", stem) in lesson_names()
-
-
-def _lesson_of(name: str) -> str:
-    """The lesson at the beginning or the end of a name, or ""."""
-    parts = name.split("_")
-    for part in (parts[0], parts[-1]):
-        if part in ASSIGNMENTS:
-            return part
-    return ""
 
 
 def _files_inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[ListedFile]:

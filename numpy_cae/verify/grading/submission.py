@@ -14,6 +14,10 @@ import numpy as np
 
 from numpy_cae.verify.checks.messages import error_text
 
+SUFFIXES = (".py", ".ipynb")
+"""What files that are graded end with."""
+COPY = re.compile(r"(-Copy\d+|-\d+| ?\(\d+\))+$")
+"""What Jupyter, Canvas and browsers add to the name of a file that exists."""
 LARGEST_PROGRAM = 2**20
 """A Python file may have at most so many bytes."""
 LARGEST_NOTEBOOK = 2**25
@@ -48,8 +52,7 @@ class Submission:
         shared = {number: len(self.ids & set(names)) for number, names in lessons.items()}
         if any(shared.values()):
             return max(shared, key=shared.__getitem__)
-        number = self.path.name.partition("_")[0]
-        return number if number in lessons else ""
+        return lesson_of_name(self.path.stem, lessons)
 
     def defined(self) -> set[str]:
         """The names of functions in the text, even if the text is not valid Python."""
@@ -100,6 +103,15 @@ class Submission:
                 functions[name] = defined
         names.update(replacements)
         return functions, problems
+
+
+def lesson_of_name(stem: str, lessons: Collection[str]) -> str:
+    """The lesson at the beginning or the end of a file's name, or ""."""
+    parts = COPY.sub("", stem).split("_")
+    for part in (parts[0], parts[-1]):
+        if part in lessons:
+            return part
+    return ""
 
 
 def read_submission(path: Path) -> Submission:
