@@ -20,7 +20,7 @@ import numpy as np
 
 from data_synth import make_take
 from numpy_cae.cleanup import repair_motion
-from numpy_cae.cleanup.interpolation import missing_joints
+from numpy_cae.cleanup.interpolation import mark_missing_joints
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.motion import Motion
@@ -120,7 +120,7 @@ def judge_findings(
     repaired = repair_motion(damaged, manifold)
     verdicts = []
     for finding in (*repaired.findings, *repaired.proposed):
-        marked = missing_joints(damaged, [finding])
+        marked = mark_missing_joints(damaged, [finding])
         if marked.any() and finding.confidence >= CONFIDENCES[0]:
             verdicts.append((finding.confidence, bool(near[marked].mean() >= 0.5)))
     return verdicts

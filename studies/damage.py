@@ -19,7 +19,7 @@ from scipy.signal import butter, savgol_filter, sosfiltfilt
 
 from numpy_cae.cleanup import Preset, repair_motion
 from numpy_cae.cleanup.holes import Holes
-from numpy_cae.cleanup.interpolation import interpolate_joints, missing_joints
+from numpy_cae.cleanup.interpolation import interpolate_joints, mark_missing_joints
 from numpy_cae.evaluation.baselines import Gaussian
 from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import MotionManifold
@@ -170,7 +170,7 @@ class _Trial:
             damaged, self.manifold, preset=Preset(smooth=kind.startswith(JITTER))
         )
         findings = [finding for finding in repaired.findings if finding.kind != JITTER]
-        marked = missing_joints(damaged, findings)
+        marked = mark_missing_joints(damaged, findings)
         self.values[FINDINGS][RECALL][kind].append(100 * marked[mask].mean())
         if marked.any():
             self.values[FINDINGS][PRECISION][kind].append(100 * mask[marked].mean())

@@ -29,8 +29,8 @@ from numpy_cae.cleanup.holes import (
     POWERS,
     Trials,
     correct_body,
-    errors_in,
     interpolate_body,
+    measure_errors,
     weights,
 )
 from numpy_cae.manifold import MotionManifold, load_manifold
@@ -75,7 +75,7 @@ def errors_of(manifold: MotionManifold, folder: Path, curves: dict[Part, Curve])
                 candidates = correct_body(manifold, body, mask, lambda *_, part=part: curves[part])
             else:
                 candidates = (interpolate_body(body, mask, curve) for curve in CURVES.values())
-            errors = errors_in(body, hole, candidates)[part[0]]
+            errors = measure_errors(body, hole, candidates)[part[0]]
             logs[part].append(np.log(np.maximum(errors[0], LEAST_ERROR_METRES)))
     return logs
 

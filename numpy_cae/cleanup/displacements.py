@@ -26,7 +26,7 @@ from numpy_cae.cleanup.channels import Candidate, Channel, least_jump, local_med
 from numpy_cae.cleanup.finding import Finding, confidence
 from numpy_cae.cleanup.interpolation import interpolate_channels
 from numpy_cae.cleanup.kinds import DISPLACED, ROOT, TURNED, Kind, kind_of_place
-from numpy_cae.cleanup.spikes import longest_spike, moved_positions
+from numpy_cae.cleanup.spikes import longest_spike, positions_moved_by
 from numpy_cae.cleanup.view import View
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.contacts import floor_height
@@ -248,7 +248,7 @@ def _all_jump(view: View, channel: Channel, candidate: Candidate) -> bool:
     jumps = []
     for frame in (candidate.first, candidate.end):
         near = view.motion.at(slice(frame - 2, frame + 2))
-        steps = np.diff(moved_positions(near, channel) / view.size, axis=0)
+        steps = np.diff(positions_moved_by(near, channel) / view.size, axis=0)
         jumps.append(np.linalg.norm(steps[1] - (steps[0] + steps[2]) / 2, axis=-1))
     return bool(np.all(np.maximum(*jumps) > least_jump(channel.rate) / 2))
 

@@ -30,7 +30,7 @@ import numpy as np
 
 from numpy_cae.cleanup.finding import Finding, confidence, is_path
 from numpy_cae.cleanup.kinds import BODY, FOOT, TOES
-from numpy_cae.cleanup.view import LEGS, SHARP, View
+from numpy_cae.cleanup.view import LEG_JOINTS, SHARP, View
 from numpy_cae.mocap.retargeting.body import body_positions
 from numpy_cae.mocap.retargeting.to_rig import retarget
 from numpy_cae.motion import JOINTS, Motion
@@ -183,7 +183,7 @@ def path_of_root(view: View) -> np.ndarray:
     toes = body[:, FEET]
     hips = body[:, 0]
     lower_height = toes[..., 1].min(axis=1)
-    leg = np.linalg.norm(np.diff(body[0, LEGS[0][:3]], axis=0), axis=-1).sum()
+    leg = np.linalg.norm(np.diff(body[0, LEG_JOINTS[0][:3]], axis=0), axis=-1).sum()
     none = np.zeros((len(view), 3))
     if len(view) < 3 or np.median(hips[:, 1] - lower_height) < UPRIGHT_SHARE * leg:
         return none
@@ -261,7 +261,7 @@ def hold_feet(view: View, stances: list[Stance]) -> Motion:
     root = butterworth(root, PATH_HERTZ, view.rate)
     body = view.body
     targets = body + root[:, None]
-    for foot, (hip, knee, ankle, toe) in enumerate(LEGS):
+    for foot, (hip, knee, ankle, toe) in enumerate(LEG_JOINTS):
         targets[:, [ankle, toe]] += (shift[:, foot] - weight[:, foot] * root)[:, None]
         chain = body[:, [hip, knee, ankle]]
         targets[:, [ankle, toe]] += _soften(chain, targets[:, ankle] - targets[:, hip])[:, None]

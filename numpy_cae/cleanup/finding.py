@@ -143,7 +143,7 @@ class Finding:
                 values["frames"] = (first, last)
                 values["status"] = "repaired" if accept else status
                 return Finding(**values)
-        raise ValueError(f"expected an object such as {json.dumps(EXAMPLE.to_json())}")
+        raise ValueError(f"expected an object such as {json.dumps(EXAMPLE_FINDING.to_json())}")
 
 
 def is_path(finding: Finding) -> bool:
@@ -157,7 +157,7 @@ def confidence(score: float) -> float:
     return 1 - 0.5 / max(float(score), 0.5)
 
 
-EXAMPLE = Finding("left_wrist", (30, 32), "spike", "rotates by 62° and back", 41.3, 0.95)
+EXAMPLE_FINDING = Finding("left_wrist", (30, 32), "spike", "rotates by 62° and back", 41.3, 0.95)
 
 
 def findings_of_mask(

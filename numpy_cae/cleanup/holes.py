@@ -30,7 +30,7 @@ from numpy_cae.cleanup.finding import Finding
 from numpy_cae.cleanup.interpolation import (
     interpolate_channels,
     interpolate_joints,
-    missing_joints,
+    mark_missing_joints,
 )
 from numpy_cae.cleanup.kinds import MARKED
 from numpy_cae.manifold.filling import HOLE_KINDS, classify_holes, complete_from_curves, fill
@@ -147,7 +147,7 @@ class Holes:
 
 def holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
     """The holes of findings, with their damaged channels interpolated."""
-    missing = missing_joints(body.motion, findings)
+    missing = mark_missing_joints(body.motion, findings)
     in_holes = np.asarray(missing.any(axis=1))
     start = interpolate_channels(body.motion, findings, curve_at, in_holes)
     return Holes(body, missing, start)
@@ -198,7 +198,8 @@ def complete_holes(
 
 def fill_holes(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
     """The motion of a body with the holes of findings filled in by the manifold."""
-    curve_at, strength = curves_and_strengths(manifold, body, missing_joints(body.motion, findings))
+    missing = mark_missing_joints(body.motion, findings)
+    curve_at, strength = choose_curves_and_strengths(manifold, body, missing)
     holes = holes_of(body, findings, curve_at)
     return holes.move_to(complete_from_curves(manifold, holes.features, holes.mask, strength))
 
@@ -229,7 +230,7 @@ class Trials(NamedTuple):
     size: int
 
 
-def curves_and_strengths(
+def choose_curves_and_strengths(
     manifold: MotionManifold, body: Body, missing: np.ndarray
 ) -> tuple[CurveAt, np.ndarray]:
     """The curve of each hole, and the strength of the correction of each missing joint.
@@ -259,7 +260,7 @@ def curves_and_strengths(
     longest_first = holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]
     for rank, (first, end) in enumerate(longest_first.tolist()):
         hole = slice(first, end)
-        best = best_in_hole(manifold, body, hole_kinds, always, hole, rank < MOST_HOLES)
+        best = choose_in_hole(manifold, body, hole_kinds, always, hole, rank < MOST_HOLES)
         at_rate = slice(*np.searchsorted(source, [first - 1, end + 1]))
         for kind, (curve, s) in best.items():
             strength[at_rate][kinds_at_rate[at_rate] == HOLE_KINDS.index(kind)] = s
@@ -268,7 +269,7 @@ def curves_and_strengths(
     return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
 
 
-def best_in_hole(
+def choose_in_hole(
     manifold: MotionManifold,
     body: Body,
     hole_kinds: np.ndarray,
@@ -288,19 +289,19 @@ def best_in_hole(
     clip = Body(body.motion.at(near), body.mean_lengths)
     missing = hole_kinds[near] > 0
     is_visible = np.asarray(~missing[:, (pattern != "").any(axis=0)].any(axis=1))
-    trials = trials_in(is_visible & tried, pattern, rate)
+    trials = place_trials(is_visible & tried, pattern, rate)
     hidden = missing | (trials.hole_kinds != "")
     names = np.unique(pattern[pattern != ""]).tolist()
     seconds = {kind: float((pattern == kind).any(axis=1).sum() / rate) for kind in names}
     on_curve = (interpolate_body(clip, hidden, curve) for curve in CURVES.values())
-    by_curve = _weights_of("curves", seconds, errors_in(clip, trials, on_curve))
+    by_curve = _weights_of("curves", seconds, measure_errors(clip, trials, on_curve))
     curves = {kind: mean_curve(weight) for kind, weight in by_curve.items()}
 
     def curve_at(joint: int, frame: int) -> Curve:
         return curves.get(trials.hole_kinds[frame, joint], eased)
 
     corrections = correct_body(manifold, clip, hidden, curve_at)
-    by_strength = _weights_of("strengths", seconds, errors_in(clip, trials, corrections))
+    by_strength = _weights_of("strengths", seconds, measure_errors(clip, trials, corrections))
     return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in seconds}
 
 
@@ -330,7 +331,7 @@ def correct_body(
         yield x0 + s * (xn - x0)
 
 
-def errors_in(
+def measure_errors(
     body: Body, trials: Trials, candidates: Iterable[np.ndarray]
 ) -> dict[str, np.ndarray]:
     """The mean errors (m) of candidates (F, 20, 3) in trials, (I, K), for each kind of hole.
@@ -362,7 +363,7 @@ def weights(prior: np.ndarray, errors: np.ndarray | None, power: float) -> np.nd
     return weight / weight.sum()
 
 
-def trials_in(is_visible: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
+def place_trials(is_visible: np.ndarray, pattern: np.ndarray, rate: float) -> Trials:
     """As many trials as fit into the runs of visible frames (frames,), evenly spread over each.
 
     `pattern` (n, 20) are the kinds of the joints that are missing in the hole, else "".
@@ -383,14 +384,14 @@ def trials_in(is_visible: np.ndarray, pattern: np.ndarray, rate: float) -> Trial
 def prior(name: str, kind: str, seconds: float) -> np.ndarray:
     """r of the module's equation for "curves" or "strengths", by the kind and duration of a hole,
     interpolated over the logarithm of the duration."""
-    table = fill_table()
+    table = read_fill_table()
     lengths = np.log(table["lengths"])
     columns = np.transpose(table[name][kind])
     return np.array([np.interp(np.log(seconds * RATE), lengths, column) for column in columns])
 
 
 @cache
-def fill_table() -> dict:
+def read_fill_table() -> dict:
     """Lengths of holes, in frames at 30 a second, and r for each kind of hole, length and candidate
     relative to the first candidate."""
     return json.loads(files("numpy_cae.cleanup").joinpath("fill_strengths.json").read_text("utf-8"))

@@ -20,7 +20,9 @@ from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import IDENTITY
 
 
-def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.ndarray, np.ndarray]:
+def mark_damaged_channels(
+    motion: Motion, findings: Iterable[Finding]
+) -> tuple[np.ndarray, np.ndarray]:
     """The rotations and the translations that are damaged: two masks (frames, J) of the rig."""
     names = joint_names(motion)
     rotations = np.zeros((len(motion), len(names)), bool)
@@ -36,12 +38,12 @@ def damaged_channels(motion: Motion, findings: Iterable[Finding]) -> tuple[np.nd
             joint = names.index(finding.joint)
             rotations[frames, joint] |= not finding.row.is_of_translation
             translations[frames, joint] |= finding.row.channel != ROTATION
-    unknown_rotations, unknown_translations = unknown_channels(motion, missing)
+    unknown_rotations, unknown_translations = mark_unknown_channels(motion, missing)
     translations &= np.ptp(motion.translations, axis=0).max(axis=-1) > 0
     return rotations | unknown_rotations, translations | unknown_translations
 
 
-def missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
+def mark_missing_joints(motion: Motion, findings: Iterable[Finding]) -> np.ndarray:
     """Which of the twenty joints are displaced by the damaged channels of findings, (frames, 20).
 
     A rotation displaces the joints below its joint, a translation also the joint itself. Of the
@@ -72,7 +74,7 @@ def interpolate_channels(
     frames: np.ndarray | slice = ALL_FRAMES,
 ) -> Motion:
     """The motion, or some of its frames, with the damaged channels of findings interpolated."""
-    return interpolate_masked(motion, *damaged_channels(motion, findings), curve_at, frames)
+    return interpolate_masked(motion, *mark_damaged_channels(motion, findings), curve_at, frames)
 
 
 def with_finite_values(motion: Motion) -> tuple[Motion, list[Finding]]:
@@ -130,7 +132,7 @@ def interpolate_joints(
     >>> off[18:32:3].round(1)
     array([0. , 0.2, 0.6, 0.3, 0. ])
     """
-    return interpolate_masked(motion, *unknown_channels(motion, missing), curve_at)
+    return interpolate_masked(motion, *mark_unknown_channels(motion, missing), curve_at)
 
 
 def interpolate_masked(
@@ -158,7 +160,7 @@ def interpolate_masked(
     return part
 
 
-def unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def mark_unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The unknown rotations and translations, two masks (frames, J) of the joints of the rig.
 
     A translation is unknown where the joint, or the end of the bone in which it lies, is missing.

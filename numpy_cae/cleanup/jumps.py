@@ -13,7 +13,7 @@ import numpy as np
 
 from numpy_cae.cleanup.finding import Finding, confidence
 from numpy_cae.cleanup.kinds import BODY, JITTER, JUMPS
-from numpy_cae.cleanup.measures import shaking
+from numpy_cae.cleanup.measures import measure_shaking
 from numpy_cae.cleanup.view import OFF_MEDIAN_METRES, SHARP, SHARP_METRES, View
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, filters
@@ -156,7 +156,7 @@ def _rough_on_the_way(view: View, jumps: np.ndarray) -> np.ndarray:
 def find_jitter(view: View, sensitivity: float = 0.5) -> list[Finding]:
     """One finding about the whole motion, of kind "jitter", if its joints shake and its rate
     lets noise and motion be separated."""
-    ratio = shaking(view) / SHAKING
+    ratio = measure_shaking(view) / SHAKING
     if ratio * 2 * sensitivity <= 1 or view.rate < filters.LEAST_RATE:
         return []
     evidence = f"joints shake by {SHAKING * ratio:.1f} m/s²; the whole motion is smooth"

@@ -22,7 +22,7 @@ class Measures(NamedTuple):
     sliding : float
         How fast standing feet slide, centimetres a second.
     jitter : float
-        How much joints shake (`shaking`), metres a second squared.
+        How much joints shake (`measure_shaking`), metres a second squared.
     """
 
     jumps: float
@@ -41,10 +41,10 @@ def measure_damage(motion: Motion) -> Measures:
     """
     view = View(with_finite_values(motion)[0])
     jumps = float(np.count_nonzero((view.jumps == SHARP).any(axis=1)))
-    return Measures(jumps, view.sliding, shaking(view))
+    return Measures(jumps, view.sliding, measure_shaking(view))
 
 
-def shaking(view: View) -> float:
+def measure_shaking(view: View) -> float:
     """The median change of a joint's acceleration from frame to frame, at most 30 a second, of a
     body of a person's size, in metres a second squared; where a pose is repeated nothing shakes."""
     if view.rate > HIGHEST_RATE:

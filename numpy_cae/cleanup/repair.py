@@ -39,7 +39,7 @@ from numpy_cae.cleanup.jumps import find_jitter, find_jumps, mend_jumps, smooth_
 from numpy_cae.cleanup.kinds import BODY, MARKED, T_POSE
 from numpy_cae.cleanup.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.cleanup.presets import Preset
-from numpy_cae.cleanup.result import Repaired, compare_motions, distances, join
+from numpy_cae.cleanup.result import Repaired, compare_motions, join_motions, measure_distances
 from numpy_cae.cleanup.spikes import find_spikes
 from numpy_cae.cleanup.view import View
 from numpy_cae.manifold.filling import require_mask
@@ -171,23 +171,31 @@ def repair_motion(
         t_pose = find_t_pose(finite)
     else:
         t_pose = [finding for finding in findings if finding.row is T_POSE]
-    start = max((finding.stretch.stop for finding in t_pose), default=0)
-    moving = finite.at(slice(start, None)) if start else finite
+    pose, moving = split_t_pose(finite, t_pose)
+    start = len(pose)  # frames are counted from here
     if findings is None:
         mended, damage = mend_damage(moving, preset, manifold, progress)
     else:
         rest = [finding for finding in findings if finding.row is not T_POSE]
-        rest = shift_findings(rest, -start)
-        mended, damage = mend_findings(moving, rest, preset, manifold, progress)
+        named = shift_findings(rest, -start)
+        mended, damage = mend_findings(moving, named, preset, manifold, progress)
     damage += shift_findings(broken, -start)
     residual = 0.0
     if manifold is not None:
         mended, residual = complete_holes(mended, manifold, damage)
     damage = [*t_pose, *shift_findings(damage, start)]
-    repaired = compare_motions(finite, join(finite.at(slice(start)), mended), damage, broken)
+    repaired = compare_motions(finite, join_motions(pose, mended), damage, broken)
     is_familiar = residual <= UNKNOWN_METRES
     repaired = replace(repaired, original=motion, residual=residual, is_familiar=is_familiar)
     return repaired.without_first(start) if preset.cut else repaired
+
+
+def split_t_pose(motion: Motion, t_pose: list[Finding]) -> tuple[Motion, Motion]:
+    """The frames of a T-pose at the start of a motion, and the rest; without a T-pose no frames and
+    the motion itself."""
+    start = max((finding.stretch.stop for finding in t_pose), default=0)
+    pose = motion.at(slice(start))
+    return pose, motion.at(slice(start, None)) if start else motion
 
 
 def mend_damage(
@@ -234,7 +242,7 @@ def mend_damage(
         else:
             findings = [finding for finding in segments if finding.row.step == step.name]
             findings = drop_explained(findings, damage, motion)
-        view, findings = take_judged(step, view, findings)
+        view, findings = take_step_if_better(step, view, findings)
         damage += findings
         if progress:
             progress(step.share_of_time)
@@ -258,7 +266,7 @@ def mend_findings(
             of_step = step.find(view, preset.sensitivity)
         else:
             of_step = [finding for finding in findings if finding.row.step == step.name]
-        view, of_step = take(step, view, of_step)
+        view, of_step = take_step(step, view, of_step)
         damage += of_step
         if progress:
             progress(step.share_of_time)
@@ -307,7 +315,7 @@ def _touched_frames(finding: Finding, motion: Motion) -> np.ndarray:
     return frames[[0, 1, -2, -1]] if finding.row.is_offset else frames
 
 
-def take(step: Step, view: View, findings: list[Finding]) -> tuple[View, list[Finding]]:
+def take_step(step: Step, view: View, findings: list[Finding]) -> tuple[View, list[Finding]]:
     """The motion after a step, and the findings with what became of them."""
     mended = [finding for finding in findings if finding.is_repaired]
     after = _mend(step, view, mended)
@@ -316,11 +324,13 @@ def take(step: Step, view: View, findings: list[Finding]) -> tuple[View, list[Fi
     return after, _with_status(findings, mended)
 
 
-def take_judged(step: Step, view: View, findings: list[Finding]) -> tuple[View, list[Finding]]:
+def take_step_if_better(
+    step: Step, view: View, findings: list[Finding]
+) -> tuple[View, list[Finding]]:
     """The motion after a step without the findings near which it would become worse, and the
     findings with what became of them."""
     if step.tolerance is None:
-        return take(step, view, findings)
+        return take_step(step, view, findings)
     mended = [finding for finding in findings if finding.is_repaired]
     for _ in range(MOST_ROUNDS):
         after = _mend(step, view, mended)
@@ -395,4 +405,4 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     missing = require_mask(missing, len(motion))
     body = Body(motion, manifold.lengths)
     filled = fill_holes(manifold, body, findings_of_mask(missing))
-    return Repaired(filled, missing, distances(motion, filled), original=motion)
+    return Repaired(filled, missing, measure_distances(motion, filled), original=motion)

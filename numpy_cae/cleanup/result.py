@@ -7,7 +7,7 @@ import numpy as np
 
 from numpy_cae.cleanup.channels import LEAST_LEVER_METRES
 from numpy_cae.cleanup.finding import Finding, is_path
-from numpy_cae.cleanup.interpolation import missing_joints
+from numpy_cae.cleanup.interpolation import mark_missing_joints
 from numpy_cae.cleanup.kinds import JITTER, MARKED
 from numpy_cae.cleanup.words import (
     NOTHING_FOUND,
@@ -107,7 +107,7 @@ def by_size(findings: Iterable[Finding]) -> list[Finding]:
     return sorted(findings, key=lambda finding: (-finding.cm, -finding.confidence))
 
 
-def distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndarray:
+def measure_distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndarray:
     """How far each of the twenty joints moved, (frames, 20) in metres: the joint, or what follows
     it (its fingers, the second bone of the neck, the top of the head) and moved furthest; in the
     world, or from the hips."""
@@ -149,11 +149,11 @@ def compare_motions(
     before: Motion, after: Motion, findings: Sequence[Finding], broken: Sequence[Finding]
 ) -> Repaired:
     """What a repair changed, with what was found; `broken` values are interpolated in both."""
-    moved = distances(before, after)
+    moved = measure_distances(before, after)
     posed = moved
     if any(is_path(finding) for finding in findings):
-        posed = distances(before, after, from_hips=True)
-    touched = (moved > MOVED_METRES) | missing_joints(before, broken)
+        posed = measure_distances(before, after, from_hips=True)
+    touched = (moved > MOVED_METRES) | mark_missing_joints(before, broken)
     mended = []
     proposed = []
     for finding in findings:
@@ -179,7 +179,7 @@ def _with_centimetres(finding: Finding, moved: np.ndarray, posed: np.ndarray) ->
     return replace(finding, cm=float(cm))
 
 
-def join(first: Motion, rest: Motion) -> Motion:
+def join_motions(first: Motion, rest: Motion) -> Motion:
     """The frames of a motion and then those of another one of the same rig."""
     if not len(first):
         return rest

@@ -134,14 +134,14 @@ def _candidates(channel: Channel, sensitivity: float) -> list[Candidate]:
 def _moves_the_body(view: View, channel: Channel, spike: Candidate, sensitivity: float) -> bool:
     """Whether a point that the joint moves leaves its own cubic with a spike, too."""
     around = view.motion.at(slice(spike.first - 2, spike.end + 2))
-    positions = moved_positions(around, channel) / view.size
+    positions = positions_moved_by(around, channel) / view.size
     off = _deviation(positions, np.array([2]), len(spike))[0]
     next_to_spike = np.linalg.norm(positions[[1, -1]] - positions[[0, -2]], axis=-1).max(axis=0)
     least = np.maximum(_least_spike(view.rate), NEIGHBOUR_RATIO * next_to_spike)
     return not len(off) or bool((off * 2 * sensitivity > least).any())
 
 
-def moved_positions(motion: Motion, channel: Channel) -> np.ndarray:
+def positions_moved_by(motion: Motion, channel: Channel) -> np.ndarray:
     """The positions of the joints that a channel moves, or of the end of its bone where it moves
     none, (frames, N, 3) in metres."""
     skeleton = motion.skeleton

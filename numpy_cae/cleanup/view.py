@@ -24,7 +24,7 @@ from numpy_cae.motion.filters import median_of
 from numpy_cae.motion.joints import SIDES
 from numpy_cae.motion.motion import blocks, whole_step
 
-LEGS = [
+LEG_JOINTS = [
     [JOINTS.index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle", "toe")] for side in SIDES
 ]
 """The joints of both legs among the twenty, in the order of `contacts.FEET`."""
@@ -128,7 +128,7 @@ class View:
         problem = problem_of(positions[:1])
         if problem:
             raise UnknownRigError(problem)
-        legs = [positions[0, leg[:3]] for leg in LEGS]  # hip, knee, ankle
+        legs = [positions[0, leg[:3]] for leg in LEG_JOINTS]  # hip, knee, ankle
         length = np.linalg.norm(np.diff(legs, axis=1), axis=-1).sum(axis=-1).mean()
         size = float(length / LEG_METRES) or 1.0
         positions /= size

@@ -12,7 +12,7 @@ from numpy_cae.cleanup import PRESETS, Finding, Preset, repair_motion
 from numpy_cae.cleanup.feet import find_feet, mend_feet
 from numpy_cae.cleanup.finding import check_finding, is_path
 from numpy_cae.cleanup.freezes import find_t_pose
-from numpy_cae.cleanup.interpolation import missing_joints
+from numpy_cae.cleanup.interpolation import mark_missing_joints
 from numpy_cae.cleanup.presets import fitting_preset
 from numpy_cae.cleanup.repair import mend_damage
 from numpy_cae.cleanup.view import View
@@ -116,7 +116,7 @@ def test_damage_that_begins_over_a_few_frames_is_found(manifold, kind, onset):
     damaged, mask = DAMAGES[kind](motion, np.random.default_rng(1))
     damaged = eased(motion, damaged, mask, onset)
     repaired = repair_motion(damaged, manifold)
-    found = missing_joints(motion, repaired.findings)
+    found = mark_missing_joints(motion, repaired.findings)
     assert found[mask].mean() > 0.8 and found[~mask].mean() < 0.01
     share = 1.1 if kind == "frozen in channels" else 0.3  # arms that hang are filled in no better
     off = [np.linalg.norm(body_positions(m) - true, axis=-1) for m in (repaired.motion, damaged)]

@@ -4,7 +4,7 @@ import pytest
 
 from data_synth import make_take
 from numpy_cae.cleanup import Finding, repair_motion
-from numpy_cae.cleanup.interpolation import damaged_channels
+from numpy_cae.cleanup.interpolation import mark_damaged_channels
 from numpy_cae.cleanup.kinds import KINDS, MARKED, NOT_FINITE, T_POSE, Kind
 from numpy_cae.cleanup.repair import STEPS
 
@@ -40,5 +40,5 @@ def test_the_channel_of_a_row_is_what_is_damaged(kind, rotation, translation):
     motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
     wrist = motion.skeleton.index("lwrist")
     motion.translations[::2, wrist] += 0.001  # so that the bone has a channel
-    rotations, translations = damaged_channels(motion, [Finding("left_wrist", (10, 12), kind)])
+    rotations, translations = mark_damaged_channels(motion, [Finding("left_wrist", (10, 12), kind)])
     assert (rotations[11, wrist], translations[11, wrist]) == (rotation, translation)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.cleanup.holes import PRIOR_TRIALS, curves_and_strengths, trials_in, weights
-from numpy_cae.cleanup.interpolation import interpolate_joints, unknown_channels
+from numpy_cae.cleanup.holes import PRIOR_TRIALS, choose_curves_and_strengths, place_trials, weights
+from numpy_cae.cleanup.interpolation import interpolate_joints, mark_unknown_channels
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.hole_curves import CURVES, interpolate_rotations, interpolate_values
@@ -23,11 +23,11 @@ LEG = "right_knee right_ankle right_toe", "rfemur rtibia rfoot"
 )
 def test_a_rotation_is_unknown_if_all_its_bones_end_at_missing_joints(joints, unknown):
     walk = make_take("walk", 0, seconds=1.0, rate=30.0).motion
-    turned, moved = unknown_channels(walk, joint_mask(30, joints.split(), slice(10, 20)))
+    turned, moved = mark_unknown_channels(walk, joint_mask(30, joints.split(), slice(10, 20)))
     names = [walk.skeleton.names[joint] for joint in np.flatnonzero(turned[15])]
     assert names == unknown.split()
     assert not turned[:10].any() and not turned[20:].any() and not moved.any()
-    everything = unknown_channels(walk, joint_mask(30, JOINTS, slice(10, 20)))
+    everything = mark_unknown_channels(walk, joint_mask(30, JOINTS, slice(10, 20)))
     assert everything[0][10:20].all() and everything[1][10:20, 0].all()
 
 
@@ -63,13 +63,13 @@ def test_trials_are_the_hole_in_known_frames():
     pattern = np.full((12, 20), "", "U4")
     pattern[3:, JOINTS.index("left_wrist")] = "end"
     known = abs(np.arange(100) - 45.5) > 6
-    kinds, starts, size = trials_in(known, pattern, 30.0)
+    kinds, starts, size = place_trials(known, pattern, 30.0)
     hidden = (kinds != "").any(axis=1)
     assert size == 12 and starts == [6, 58]
     assert not hidden[~known].any() and hidden.sum() == 9 * len(starts)
     for start in starts:
         np.testing.assert_array_equal(kinds[start : start + 12], pattern)
-    assert trials_in(known[38:60], pattern, 30.0).starts == []
+    assert place_trials(known[38:60], pattern, 30.0).starts == []
 
 
 def test_a_motion_on_a_smooth_curve_is_filled_by_the_cubic(walk_manifold):
@@ -80,7 +80,7 @@ def test_a_motion_on_a_smooth_curve_is_filled_by_the_cubic(walk_manifold):
     rotations[:, shoulder] = from_vector(swing)
     motion = replace(walk, rotations=rotations)
     hole = joint_mask(180, ["left_elbow", "left_wrist"], slice(80, 90))
-    curve_at, strength = curves_and_strengths(
+    curve_at, strength = choose_curves_and_strengths(
         walk_manifold, Body(motion, walk_manifold.lengths), hole
     )
     filled = {

@@ -12,7 +12,7 @@ import argparse
 import numpy as np
 
 from numpy_cae.cleanup import fill_motion
-from numpy_cae.cleanup.interpolation import missing_joints
+from numpy_cae.cleanup.interpolation import mark_missing_joints
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.cli.shared.output import working
 from numpy_cae.cli.shared.summary import summary_of_filling
@@ -60,4 +60,4 @@ def _missing(args: argparse.Namespace, motion: Motion) -> np.ndarray:
     findings = damage_options.chosen_findings(args, motion)
     if findings is None:
         return keyframe_mask(len(motion), args.keyframes)
-    return missing_joints(motion, [finding for finding in findings if finding.is_repaired])
+    return mark_missing_joints(motion, [finding for finding in findings if finding.is_repaired])

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Finding, Preset, Repaired, project_motion, repair_motion
-from numpy_cae.cleanup.result import distances
+from numpy_cae.cleanup.result import measure_distances
 from numpy_cae.cleanup.words import count
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.cli.shared.output import working
@@ -95,7 +95,7 @@ def _repair(
     """The repair of a motion that the options ask for."""
     if args.project:
         projected = project_motion(motion, manifold)
-        moved = distances(motion, projected)
+        moved = measure_distances(motion, projected)
         return Repaired(projected, np.ones(moved.shape, bool), moved)
     findings = damage_options.chosen_findings(args, motion)
     repaired = repair_motion(motion, manifold, preset=preset, findings=findings, progress=progress)
