@@ -38,16 +38,16 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
             print(f"{name} is the package's own now: run the cell with your function again first")
     if nbgrader_runs():
         with redirect_stdout(Printed()), redirect_stderr(Printed()):  # it would give 0 points
-            made = grading.report(exercise, function, called=called)
-        print(made)
-        return made.points
+            result = grading.report(exercise, function, called=called)
+        print(result)
+        return result.points
     with redirect_stdout(Printed()) as printed:
-        made = grading.report(with_hint(exercise, hint), function, called=called)
+        result = grading.report(with_hint(exercise, hint), function, called=called)
     print(printed, end="")
-    if made.unsolved:
+    if result.unsolved:
         later = "a hint is shown after your first attempt" if hint else ""
-        made = replace(made, exercise=replace(made.exercise, hint=later))
-    return Feedback(made.exercise, made.called, made.outcomes)
+        result = replace(result, exercise=replace(result.exercise, hint=later))
+    return Feedback(result.exercise, result.called, result.outcomes)
 
 
 def solved(name: str, function: Callable) -> Callable:

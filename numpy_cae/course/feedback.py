@@ -1,7 +1,6 @@
 """What a notebook shows of a report: colours, the rest folded, and what the function printed."""
 
 import io
-import re
 from html import escape
 
 from numpy_cae.verify.grading.report import Report
@@ -10,7 +9,9 @@ MOST_LINES = 10
 """Of what a function prints so many lines are shown; it is tested with hundreds of arrays."""
 MOST_CHARACTERS = 4000
 """Of what a function prints so many characters are kept."""
-RIGHT, WRONG, OPEN = "#1b7a3d", "#b3261e", "#5f6368"
+RIGHT = "#1b7a3d"
+WRONG = "#b3261e"
+OPEN = "#5f6368"
 TITLE = '<b style="background:{};color:white;border-radius:3px;padding:0 .4em">{}</b>'
 TEXT = '<pre style="white-space:pre-wrap;margin:.2em 0">{}</pre>'
 FOLDED = "<details><summary>{}</summary>{}</details>"
@@ -39,22 +40,23 @@ class Printed(io.TextIOBase):
 class Feedback(Report):
     """A report as a notebook shows it."""
 
-    def __str__(self) -> str:
-        return super().__str__().replace(' example("', ' course.example("')
-
-    __repr__ = __str__
+    def items(self) -> list[str]:
+        return [item.replace(' example("', ' course.example("') for item in super().items()]
 
     def _repr_html_(self) -> str:
-        title, *items = re.split(r"\n(?=  \S)", str(self))
-        colour = RIGHT if self.held else OPEN if self.unsolved else WRONG
-        title = TITLE.format(colour, escape(" ".join(title.split())))
+        title = TITLE.format(self._colour(), escape(" ".join(self.title().split())))
         if self.held:
-            statements = (f"{o.stated.name}: {o.stated.statement}" for o in self.outcomes)
+            statements = [f"{o.stated.name}: {o.stated.statement}" for o in self.outcomes]
             return title + FOLDED.format("what was checked", _text("\n".join(statements)))
-        hints = [_text(items.pop())] if self.exercise.hint else []
-        first, *others = items
-        more = FOLDED.format("other properties, points", _text("\n".join(others)))
-        return "".join([title, _text(first), more, *hints])
+        first, *further = self.items()
+        hint = _text(further.pop()) if self.exercise.hint else ""
+        more = FOLDED.format("other properties, points", _text("\n".join(further)))
+        return "".join([title, _text(first), more, hint])
+
+    def _colour(self) -> str:
+        if self.held:
+            return RIGHT
+        return OPEN if self.unsolved else WRONG
 
     def __dir__(self) -> list[str]:
         """What tab completion offers: the exercise, with its solution, is not among it."""

@@ -82,11 +82,12 @@ class Report:
         return all(outcome.held for outcome in self.outcomes)
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
+        return "\n".join([self.title(), *self.items()])
 
     __repr__ = __str__
 
-    def _lines(self) -> Iterator[str]:
+    def title(self) -> str:
+        """The first line: what was tested, and the points."""
         title = self.called
         if self.called != self.operation:
             title += f" as {self.operation}"
@@ -94,36 +95,45 @@ class Report:
             count = len(self.outcomes)
             title += f": all {count} properties hold" if count > 1 else ": it holds"
         score = f"{self.points} of {self.possible} points"
-        yield title + score.rjust(WIDTH - len(title))
+        return title + score.rjust(WIDTH - len(title))
+
+    def items(self) -> list[str]:
+        """What is said below the title, each item in one or more lines; the hint comes last."""
+        items = []
         if self.unsolved:
-            yield "  not solved yet. What will be checked:"
+            items.append("  not solved yet. What will be checked:")
             for outcome in self.outcomes:
                 head = f"  - {outcome.stated.name}: "
-                yield from _wrap(head, outcome.stated.statement, INDENT)
+                items.append(_wrap(head, outcome.stated.statement, INDENT))
         elif not self.held:
-            yield from self._failures()
+            items += self._failures()
         if self.exercise.hint and not self.held:
-            yield from _wrap("  hint: ", self.exercise.hint, 8)
+            items.append(_wrap("  hint: ", self.exercise.hint, 8))
+        return items
 
     def _failures(self) -> Iterator[str]:
         """The first failing property in full, the others in short, and which hold."""
         first, *further = self.failing()
-        yield from _wrap(f"  FAILED  {first.stated.name}: ", first.stated.statement, INDENT)
-        yield from _describe_failure(first)
+        head = f"  FAILED  {first.stated.name}: "
+        yield "\n".join([_wrap(head, first.stated.statement, INDENT), *_describe_failure(first)])
         names_of: dict[tuple[str, str], list[str]] = {_reason(first): []}
         for outcome in further:
             names_of.setdefault(_reason(outcome), []).append(outcome.stated.name)
-        yield from _list_names("  FAILED  for the same reason: ", names_of.pop(_reason(first)))
+        if same_reason := names_of.pop(_reason(first)):
+            yield _wrap("  FAILED  for the same reason: ", ", ".join(same_reason), INDENT)
         for (problem, mistake), names in names_of.items():
-            yield from _wrap(f"  FAILED  {', '.join(names)}: ", problem, INDENT)
+            item = _wrap(f"  FAILED  {', '.join(names)}: ", problem, INDENT)
             if mistake not in ("", first.mistake):
-                yield from _wrap(" " * INDENT + "likely:   ", mistake, 2 * INDENT + 2)
-        untried = [o.stated.name for o in self.outcomes if not o.held and not o.problem]
-        yield from _list_names("  not tried: ", untried)
-        yield from _list_names("  hold: ", [o.stated.name for o in self.outcomes if o.held])
+                likely = _wrap(" " * INDENT + "likely:   ", mistake, 2 * INDENT + 2)
+                item = f"{item}\n{likely}"
+            yield item
+        if untried := [o.stated.name for o in self.outcomes if not o.held and not o.problem]:
+            yield _wrap("  not tried: ", ", ".join(untried), INDENT)
+        if holding := [o.stated.name for o in self.outcomes if o.held]:
+            yield _wrap("  hold: ", ", ".join(holding), INDENT)
         pairs = zip(self.outcomes, self.earned(), strict=True)
         if any(outcome.held and not points for outcome, points in pairs):
-            yield from _wrap("  points: ", IN_ORDER, INDENT)
+            yield _wrap("  points: ", IN_ORDER, INDENT)
 
     def failing(self) -> list[Outcome]:
         """The properties that were tried and do not hold, the one about everything last.
@@ -143,11 +153,6 @@ def _reason(outcome: Outcome) -> tuple[str, str]:
     return outcome.problem.splitlines()[0], outcome.mistake
 
 
-def _list_names(head: str, names: Sequence[str]) -> list[str]:
-    """The lines that list the names of properties, none if there are no names."""
-    return _wrap(head, ", ".join(names), INDENT) if names else []
-
-
 def _describe_failure(outcome: Outcome) -> Iterator[str]:
     """The lines below a property that does not hold, not too many of each kind."""
     yield from _titled_lines("what:", outcome.problem)[:PROBLEM_LINES]
@@ -163,14 +168,14 @@ def _titled_lines(title: str, text: str) -> list[str]:
         head = " " * INDENT + title.ljust(INDENT)
         if line.startswith(" "):
             head += "  "
-        lines += _wrap(head, line.strip(), 2 * INDENT + 2)
+        lines += _wrap(head, line.strip(), 2 * INDENT + 2).splitlines()
         title = ""
     return lines
 
 
-def _wrap(head: str, text: str, indent: int) -> list[str]:
-    """The lines of a text behind a head, further lines indented."""
-    return textwrap.wrap(
+def _wrap(head: str, text: str, indent: int) -> str:
+    """A text behind a head, further lines indented."""
+    return textwrap.fill(
         text,
         WIDTH,
         initial_indent=head,
