@@ -2,13 +2,15 @@
 
 import numpy as np
 
+from numpy_cae.evaluation import tables
 from numpy_cae.manifold import load_manifold
 
 NETWORK = "--hidden 6 --latent 3 --epochs 1 --steps 2 --batch 4 --quiet".split()
 TINY = ["--model", "sequential", *NETWORK]
 
 
-def test_it_trains_and_measures(walks, tmp_path, capsys, run):
+def test_it_trains_and_measures(walks, tmp_path, capsys, monkeypatch, run):
+    monkeypatch.setattr(tables, "PCA_CLIPS", 200)
     file = tmp_path / "seq.npz"
     run("train", walks, "-o", file, "--test", "*_2.bvh", *TINY)
     captured = capsys.readouterr()

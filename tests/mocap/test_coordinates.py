@@ -22,6 +22,12 @@ def in_file(motion, up, floor):
     return turn_as_in_file(replace(motion, up=up, floor=floor))
 
 
+@pytest.fixture(scope="module")
+def walk():
+    """A walk of four seconds, which no test changes."""
+    return make_take("walk", 1, 4.0, 30.0).motion
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_y_up_on_a_floor_at_0_stays_the_same_object(kind):
     motion = make_take(kind, 3, 4.0, 30.0).motion
@@ -32,8 +38,7 @@ def test_what_is_y_up_on_a_floor_at_0_stays_the_same_object(kind):
 
 @pytest.mark.parametrize("up", TO_Y_UP)
 @pytest.mark.parametrize("floor", [0.0, 1.0, -0.9, 0.27])
-def test_a_walk_of_any_axis_and_floor_is_read_and_written_as_it_was(up, floor, tmp_path):
-    walk = make_take("walk", 1, 4.0, 30.0).motion
+def test_a_walk_of_any_axis_and_floor_is_read_and_written_as_it_was(walk, up, floor, tmp_path):
     path, again = tmp_path / "a.bvh", tmp_path / "b.bvh"
     write_bvh(in_file(walk, up, floor), path)
     motion = load_motion(path, unit=walk.unit)
