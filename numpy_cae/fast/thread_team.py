@@ -115,10 +115,10 @@ class ThreadTeam:
         """
         with self._lock, one_blas_thread() if blas_threads == 1 else nullcontext():
             jobs = [  # in the caller's context, which holds its settings of NumPy's warnings
-                self._pool.submit(copy_context().run, self._guarded, work, worker)
+                self._pool.submit(copy_context().run, self._run_guarded, work, worker)
                 for worker in range(1, self.size)
             ]
-            done = [self._guarded(work, 0), *(job.result() for job in jobs)]
+            done = [self._run_guarded(work, 0), *(job.result() for job in jobs)]
             self._barrier.reset()
         for _, failure in done:
             if failure is not None and not isinstance(failure, threading.BrokenBarrierError):
@@ -129,7 +129,9 @@ class ThreadTeam:
         """Wait until every worker has called this method."""
         self._barrier.wait()
 
-    def _guarded(self, work: Callable[[int], Any], worker: int) -> tuple[Any, BaseException | None]:
+    def _run_guarded(
+        self, work: Callable[[int], Any], worker: int
+    ) -> tuple[Any, BaseException | None]:
         """The result, or the failure after releasing the others, which would wait forever."""
         try:
             return work(worker), None

@@ -67,7 +67,7 @@ def stature(skeleton: Skeleton, bone_lengths: np.ndarray) -> float:
     return longest / TIP_TO_TIP_STATURES
 
 
-def stated_unit(unit: float, source: str, height: float) -> Note:
+def describe_unit(unit: float, source: str, height: float) -> Note:
     """A note on a unit and its source, from the height of the person (m, 0 if unknown). The unit is
     in doubt if nobody is as tall."""
     in_doubt = height > 0 and not PLAUSIBLE_METRES[0] <= height <= PLAUSIBLE_METRES[1]
@@ -83,7 +83,7 @@ def guess_unit(height: float) -> tuple[float, Note]:
         text = "metres (assumed: the skeleton has no two limbs to measure)"
         return 1.0, Note("unit", text)
     unit = min(UNITS.values(), key=lambda unit: abs(np.log(height * unit / TYPICAL_METRES)))
-    return unit, stated_unit(unit, "guessed", height * unit)
+    return unit, describe_unit(unit, "guessed", height * unit)
 
 
 _LIMB_ENDS = (

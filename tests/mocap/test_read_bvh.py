@@ -17,7 +17,7 @@ from plain_bvh import PlainJoint, bvh_text, plain_positions
 from data_synth import make_take
 from numpy_cae.mocap import MotionFileError, load_motion, read_bvh, write_bvh
 from numpy_cae.mocap.formats import text_file
-from numpy_cae.mocap.units import UNITS, guess_unit, stated_unit
+from numpy_cae.mocap.units import UNITS, describe_unit, guess_unit
 
 WALK = make_take("walk", 1, 1.0, 30.0).motion
 numbers = st.floats(-300, 300, allow_nan=False).map(lambda x: round(x, 4))
@@ -160,8 +160,8 @@ def test_giants_and_dwarfs_are_doubted():
         assert guess_unit(1.4 / unit)[0] == guess_unit(2.0 / unit)[0] == unit
     giant = guess_unit(4.0)[1]
     assert giant.in_doubt and "4.0 m tall, which no adult is" in giant.text
-    assert stated_unit(0.1, "as given", 18.2).in_doubt
-    assert not stated_unit(0.01, "as given", 1.8).in_doubt
+    assert describe_unit(0.1, "as given", 18.2).in_doubt
+    assert not describe_unit(0.01, "as given", 1.8).in_doubt
     assert "metres (assumed: " in guess_unit(0.0)[1].text
 
 

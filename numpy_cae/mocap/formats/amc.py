@@ -14,8 +14,8 @@ import numpy as np
 
 from numpy_cae.mocap.formats.asf import ANGLE_UNITS, read_asf, statements
 from numpy_cae.mocap.formats.channels import JointChannels, read_pose
-from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile, quoted, whole_number
-from numpy_cae.mocap.units import stated_unit, stature
+from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile, quote, whole_number
+from numpy_cae.mocap.units import describe_unit, stature
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, whole_step
 
 CMU_RATE = 120.0
@@ -65,7 +65,7 @@ def read_amc(path: str | Path, unit: float | None = None, max_rate: float | None
     rotations, translations = read_pose(channels, skeleton.offsets, values)
     source = ":units of the skeleton" if unit is None else "as given"
     height = stature(skeleton, np.linalg.norm(skeleton.offsets, axis=-1))
-    unit_note = stated_unit(metres, source, height)
+    unit_note = describe_unit(metres, source, height)
     notes = (unit_note, *file.lost_values(values))
     return Motion(skeleton, float(rate), rotations, translations, metres, notes)
 
@@ -176,7 +176,7 @@ def _read_frames(file: TextFile, channels: JointChannels, header: int) -> Iterat
         if number is None or values or (frame is not None and number != frame.number + 1):
             after = "the first frame" if frame is None else f"frame {frame.number + 1}"
             expects = f"expected the number of {after} or a bone of the skeleton and its values"
-            raise file.error(line, f"{quoted(' '.join([name, *values]))}, {expects}")
+            raise file.error(line, f"{quote(' '.join([name, *values]))}, {expects}")
         if frame is not None:
             yield frame
         frame = _Frame(line, number, {})

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.mocap.formats.channels import Channels, JointChannels
-from numpy_cae.mocap.formats.text_file import TextFile, quoted
+from numpy_cae.mocap.formats.text_file import TextFile, quote
 from numpy_cae.mocap.units import INCH, require_unit
 from numpy_cae.motion.motion import Skeleton, depth_first
 from numpy_cae.motion.quaternions import from_angles
@@ -66,7 +66,7 @@ class _Block:
         """The rotation by three angles about the world's x, y and z, applied in `order`."""
         letters = "".join(order).lower()
         if sorted(letters) != ["x", "y", "z"]:
-            problem = f"axis order {quoted(letters.upper())}, expected X, Y and Z, such as XYZ"
+            problem = f"axis order {quote(letters.upper())}, expected X, Y and Z, such as XYZ"
             raise self.file.error(self.words("axis", "")[0], problem)
         values = np.array([[angles["xyz".index(letter)] for letter in letters]])
         return from_angles(letters, angle_unit * values)[0]
@@ -97,13 +97,13 @@ class _Block:
         names = tuple(word.lower() for word in words)
         if not set(names) <= set(allowed) or len(set(names)) < len(names):
             expected = f"expected each of {' '.join(allowed)} at most once: bones only rotate"
-            raise self.file.error(line, f"{keyword} {quoted(' '.join(words))}, {expected}")
+            raise self.file.error(line, f"{keyword} {quote(' '.join(words))}, {expected}")
         return names
 
 
 def statements(file: TextFile, after: int = 0) -> Iterator[tuple[int, list[str]]]:
     """(line number, words) of each line below line `after`, without comments, which # begins."""
-    for line, text in file.numbered(after):
+    for line, text in file.numbered_lines(after):
         words = (_COMMENT.sub("", text) if "#" in text else text).split()
         if words:
             yield line, words
@@ -193,7 +193,7 @@ def _angle_unit_of(units: _Block) -> float:
     line, words = units.words("angle", "deg")
     angle_unit = ANGLE_UNITS.get(" ".join(words).lower())
     if angle_unit is None:
-        raise units.file.error(line, f"angle {quoted(' '.join(words))}, expected deg or rad")
+        raise units.file.error(line, f"angle {quote(' '.join(words))}, expected deg or rad")
     return angle_unit
 
 
@@ -229,7 +229,7 @@ def _bones(file: TextFile, lines: _Lines) -> dict[str, _Block]:
         is_open = bool(blocks) and "end" not in blocks[-1].statements
         if (keyword == "begin") == is_open:
             expected = f"the end of the bone on line {blocks[-1].line}" if is_open else "begin"
-            raise file.error(line, f"expected {expected}, found {quoted(word)}")
+            raise file.error(line, f"expected {expected}, found {quote(word)}")
         if keyword == "begin":
             blocks.append(_Block(file, line, {}))
         blocks[-1].statements[keyword] = line, rest
@@ -255,7 +255,7 @@ def _parents(bones: dict[str, _Block], hierarchy: _Lines) -> dict[str, str]:
         for place, name in enumerate((parent, *names)):
             if name not in bones or (place and name in parent_of):
                 expected = "expected bones of :bonedata, each as a child of one other"
-                raise file.error(line, f":hierarchy, {quoted(name)}: {expected}")
+                raise file.error(line, f":hierarchy, {quote(name)}: {expected}")
             if place:
                 parent_of[name] = parent
                 children[parent].append(name)

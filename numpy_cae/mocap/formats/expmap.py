@@ -122,7 +122,7 @@ def is_expmap_text(path: str | Path) -> bool:
 
 def _table(file: TextFile) -> tuple[ExpmapRig, np.ndarray]:
     """The layout of a file and its numbers (frames, width)."""
-    filled = ((number, text) for number, text in file.numbered() if text.strip())
+    filled = ((number, text) for number, text in file.numbered_lines() if text.strip())
     line, first = next(filled, (1, ""))
     width = first.count(",") + 1
     rig = next((rig for rig in EXPMAP_RIGS if rig.width == width), None)

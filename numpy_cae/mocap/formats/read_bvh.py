@@ -30,8 +30,8 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.mocap.formats.channels import Channels, JointChannels, read_pose
-from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quoted, whole_number
-from numpy_cae.mocap.units import guess_unit, require_unit, stated_unit, stature
+from numpy_cae.mocap.formats.text_file import MAX_JOINTS, TextFile, quote, whole_number
+from numpy_cae.mocap.units import describe_unit, guess_unit, require_unit, stature
 from numpy_cae.motion.motion import MAX_RATE, MIN_RATE, Motion, Note, Skeleton, whole_step
 
 SLOWEST_RATE = 8.0
@@ -122,7 +122,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     if unit is None:
         unit, note = guess_unit(height)
     else:
-        note = stated_unit(require_unit(unit), "as given", unit * height)
+        note = describe_unit(require_unit(unit), "as given", unit * height)
     translations *= unit
     notes = (note, *skipped, *miscounted, *still)
     return Motion(skeleton.scaled(unit), rate, rotations, translations, unit, notes)
@@ -165,7 +165,7 @@ def _read_motion(
     time_line, time = _header(file, count_line, r"frame\s*time", "Frame Time: and seconds")
     stated = whole_number(count)
     if stated is None:
-        raise file.error(count_line, f"Frames: {quoted(count)}, expected a whole number")
+        raise file.error(count_line, f"Frames: {quote(count)}, expected a whole number")
     rate = _rate(file, time_line, time)
     if channels == 0:
         raise file.error(motion_line, "no joint has CHANNELS, so there is no motion to read")
@@ -190,12 +190,12 @@ def _read_motion(
 
 def _header(file: TextFile, after: int, keyword: str, expected: str) -> tuple[int, str]:
     """The number of the next line that is not blank, and the text after the keyword in it."""
-    for line, text in file.numbered(after):
+    for line, text in file.numbered_lines(after):
         match = re.fullmatch(rf"{keyword}\s*:?\s*(.*)", text.strip(), re.IGNORECASE)
         if match is not None:
             return line, match[1]
         if text.strip():
-            raise file.error(line, f"expected {expected}, found {quoted(text.strip())}")
+            raise file.error(line, f"expected {expected}, found {quote(text.strip())}")
     raise file.error(file.count, f"the file ends below MOTION, expected {expected}")
 
 
@@ -270,12 +270,12 @@ class _Hierarchy:
     def _statements(self) -> Iterator[tuple[int, str, str]]:
         """(line number, keyword, value) of each statement; a brace is one anywhere in a line."""
         started = False
-        for line, text in self.file.numbered():
+        for line, text in self.file.numbered_lines():
             for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
                 keyword, value = [*statement.split(maxsplit=1), ""][:2]
                 if not started and statement.upper() != "HIERARCHY":
                     problem = "expected HIERARCHY, as every BVH file begins, found"
-                    raise self.file.error(line, f"{problem} {quoted(statement)}")
+                    raise self.file.error(line, f"{problem} {quote(statement)}")
                 if keyword.upper() in ("END", "ENDSITE"):  # some programs name it: End left_hand
                     yield line, "End Site", ""
                 elif keyword.upper() not in _KEYWORDS and _SKIPPABLE.fullmatch(text.strip()):
@@ -290,10 +290,10 @@ class _Hierarchy:
         expected = self.blocks[-1].may_follow
         expected = expected[:1] if expected[0] == "{" else expected
         if keyword == "ROOT" and expected == ["MOTION"]:
-            problem = f"a second ROOT, {quoted(name)}: a file may hold one skeleton; delete this"
+            problem = f"a second ROOT, {quote(name)}: a file may hold one skeleton; delete this"
             raise self.file.error(line, f"{problem} one and its columns of values")
         if keyword not in expected and statement not in expected:
-            problem = f"expected {' or '.join(expected)}{self._place()}, found {quoted(statement)}"
+            problem = f"expected {' or '.join(expected)}{self._place()}, found {quote(statement)}"
             raise self.file.error(line, problem)
 
     def _place(self) -> str:
@@ -326,5 +326,5 @@ def _channel_names(file: TextFile, line: int, value: str) -> tuple[str, ...]:
     channels = tuple(_LOWER_CASE.get(name.lower(), "") for name in names)
     if "" in channels or len(set(channels)) < len(names) or whole_number(count) != len(names):
         expected = f"the number of channels and different names of {', '.join(CHANNELS)}"
-        raise file.error(line, f"CHANNELS {quoted(value)}: expected {expected}")
+        raise file.error(line, f"CHANNELS {quote(value)}: expected {expected}")
     return channels

@@ -75,7 +75,7 @@ class TextFile:
         """Number of lines."""
         return self.data.count(b"\n") + (not self.data.endswith(b"\n"))
 
-    def numbered(self, after: int = 0) -> Iterator[tuple[int, str]]:
+    def numbered_lines(self, after: int = 0) -> Iterator[tuple[int, str]]:
         """(line number, text) of the lines below line `after`."""
         for first, texts in self._blocks():
             yield from ((line, text) for line, text in enumerate(texts, first) if line > after)
@@ -118,7 +118,7 @@ class TextFile:
         for word in words:
             value = as_number(word)
             if value is None or (count is not None and np.isnan(value)):
-                problem = f"{quoted(word)} is not a number"
+                problem = f"{quote(word)} is not a number"
                 if as_number(word.replace(",", ".")) is not None:
                     raise self.error(line, f"{problem}: write decimals with a point, not a comma")
                 raise self.error(line, f"{problem}, expected a finite number below {MAX_VALUE:g}")
@@ -196,7 +196,7 @@ def whole_number(text: str) -> int | None:
     return int(text) if text.isdecimal() and len(text) < 19 else None
 
 
-def quoted(text: str) -> str:
+def quote(text: str) -> str:
     """The text in quotation marks, shortened to fit in a message."""
     return repr(text if len(text) <= 60 else text[:57] + "...")
 

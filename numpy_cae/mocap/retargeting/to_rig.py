@@ -216,14 +216,13 @@ def _rotate_joints(
             continue
         ends = [end for *_, end in bones[joint]]
         if ends[0] in limbs and len(ends) == 1:
-            middle = ends[0]
-            end, exact = limbs[middle]
-            chain = before[:, [joint, middle, end]]
-            bent = bend_limb(after[:, joint], chain, targets[middle], targets[end])
-            targets[middle] = np.where(exact[:, None], bent, targets[middle])
+            end, is_exact = limbs[ends[0]]
+            chain = before[:, [joint, ends[0], end]]
+            bent = bend_limb(after[:, joint], chain, targets[ends[0]], targets[end])
+            targets[ends[0]] = np.where(is_exact[:, None], bent, targets[ends[0]])
         bone = np.stack([before[:, end] - before[:, joint] for end in ends], axis=1)
         target = np.stack([targets[end] - after[:, joint] for end in ends], axis=1)
-        free = [_free_joints(bone, joint, bones) for bone in bones[joint]]
+        free = [_free_joints(path, joint, bones) for path in bones[joint]]
         corrected = _correct_rotation(
             turned[:, joint], rotations_before[:, joint], bone, target, free
         )
