@@ -88,8 +88,8 @@ def results(model, arguments):
     return [*decoded, *losses, *gradients.values()]
 
 
-def assert_same(expected, found, tolerance=1e-10):
-    for a, b in zip(expected, found, strict=True):
+def assert_same(expected, values, tolerance=1e-10):
+    for a, b in zip(expected, values, strict=True):
         assert np.shape(a) == np.shape(b)
         assert np.asarray(a).dtype == np.asarray(b).dtype
         atol = tolerance * max(1.0, np.max(np.abs(a), initial=0))
@@ -143,8 +143,8 @@ def test_the_papers_convolutional_network_in_float32(batch, unpooling):
     exact = results(model, arguments)
     for layer in model.layers:
         layer.w, layer.b = layer.w.astype(np.float32), layer.b.astype(np.float32)
-    x, y, corrupted, *others = arguments
-    single = (*(array.astype(np.float32) for array in (x, y, corrupted)), *others)
+    x, y, corrupted, *remaining = arguments
+    single = (*(array.astype(np.float32) for array in (x, y, corrupted)), *remaining)
     direct, quick = results(model, single), results(accelerate(model), single)
     for truth, a, b in zip(exact, direct, quick, strict=True):
         assert np.ndim(b) == 0 or b.dtype == np.float32
@@ -166,17 +166,19 @@ def test_results_do_not_depend_on_earlier_calls_and_are_not_overwritten(kind):
     before = copy.deepcopy((weights(model), arguments))
     fast = accelerate(model, 2)
     first = results(fast, arguments)
-    kept = copy.deepcopy(first)
-    for other in (drawn(kind, 4), drawn(kind, 5, batch=2), drawn(kind, 6, batch=5)):
-        results(fast, other[1])
-    assert_same(kept, first, 0)
-    assert_same(kept, results(fast, arguments), 0)
+    unchanged = copy.deepcopy(first)
+    for drawn_model in (drawn(kind, 4), drawn(kind, 5, batch=2), drawn(kind, 6, batch=5)):
+        results(fast, drawn_model[1])
+    assert_same(unchanged, first, 0)
+    assert_same(unchanged, results(fast, arguments), 0)
     np.testing.assert_equal((weights(model), arguments), before)
     strided = [
-        np.asfortranarray(each[:, ::-1])[:, ::-1] if isinstance(each, np.ndarray) else each
-        for each in arguments
+        np.asfortranarray(argument[:, ::-1])[:, ::-1]
+        if isinstance(argument, np.ndarray)
+        else argument
+        for argument in arguments
     ]
-    assert_same(kept, results(fast, strided), 1e-12)
+    assert_same(unchanged, results(fast, strided), 1e-12)
 
 
 @BOTH
@@ -198,8 +200,8 @@ def test_the_accelerated_model_shares_the_arrays_and_can_be_copied_and_pickled(k
 
 
 def test_a_subclass_with_its_own_loss_is_not_replaced():
-    other = type("Other", (SequentialAutoencoder,), {})(3, 5, 2)
-    assert accelerate(other) is other
+    subclassed = type("Other", (SequentialAutoencoder,), {})(3, 5, 2)
+    assert accelerate(subclassed) is subclassed
 
 
 def test_a_pullback_is_valid_after_other_calls():
@@ -233,11 +235,11 @@ def test_many_windows_go_in_parts_and_none_in_none(monkeypatch, kind):
 
 def test_no_windows_and_no_frames():
     model, _ = drawn_conv()
-    for each in (model, accelerate(model)):
-        assert each.encode(np.zeros((2, 0, 3))).shape == (2, 0, 3)
-        assert each.decode(np.zeros((0, 2, 3))).shape == (0, 8, 3)
+    for network in (model, accelerate(model)):
+        assert network.encode(np.zeros((2, 0, 3))).shape == (2, 0, 3)
+        assert network.decode(np.zeros((0, 2, 3))).shape == (0, 8, 3)
         with pytest.raises(ValueError, match="nothing to compare"):
-            each.loss_and_gradients(np.zeros((0, 8, 3)), np.zeros((0, 8, 3)))
+            network.loss_and_gradients(np.zeros((0, 8, 3)), np.zeros((0, 8, 3)))
 
 
 CHANGES = [

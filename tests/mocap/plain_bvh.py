@@ -27,7 +27,7 @@ def bvh_text(joints: list[PlainJoint], values: list[list[float]], time: str = "0
     def block(index: int) -> str:
         joint = joints[index]
         tip = f"End Site\n{{\nOFFSET {words(joint.tip)}\n}}\n" if joint.tip is not None else ""
-        below = [block(child) for child, other in enumerate(joints) if other.parent == index]
+        below = [block(child) for child, joint in enumerate(joints) if joint.parent == index]
         return (
             f"{'JOINT' if index else 'ROOT'} {joint.name}\n{{\nOFFSET {words(joint.offset)}\n"
             f"CHANNELS {words([len(joint.channels), *joint.channels])}\n{tip}{''.join(below)}}}\n"

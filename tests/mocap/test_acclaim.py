@@ -53,9 +53,9 @@ def test_units_and_rate_come_from_the_files_unless_given(read_pair):
     motion = read_pair(unit=0.1)
     assert motion.note.startswith("decimetres (as given")
     np.testing.assert_allclose(motion.translations[0, 0], [0.1, 0.2, 0.3])
-    said = AMC.replace(":DEGREES", ":DEGREES\n:SAMPLES-PER-SECOND 60")
+    with_rate = AMC.replace(":DEGREES", ":DEGREES\n:SAMPLES-PER-SECOND 60")
     assert read_pair().rate == 120
-    assert read_pair(amc=said).rate == 60
+    assert read_pair(amc=with_rate).rate == 60
 
 
 def in_radians(text: str, *angles: float) -> str:
@@ -140,5 +140,5 @@ def test_conventions_against_a_conversion_by_others(data_folder):
     assert frames == 3 and acclaim.rate == bvh.rate == 120 and acclaim.unit == bvh.unit == CMU_UNIT
     ours, theirs = acclaim.positions()[:frames], bvh.positions()[1:]
     for bone, joint in pairs.items():
-        apart = ours[:, acclaim.skeleton.index(bone)] - theirs[:, bvh.skeleton.index(joint)]
-        assert np.abs(apart).max() < 0.001 * CMU_UNIT, bone
+        distance = ours[:, acclaim.skeleton.index(bone)] - theirs[:, bvh.skeleton.index(joint)]
+        assert np.abs(distance).max() < 0.001 * CMU_UNIT, bone

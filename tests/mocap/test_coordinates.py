@@ -31,9 +31,9 @@ def walk():
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_y_up_on_a_floor_at_0_stays_the_same_object(kind):
     motion = make_take(kind, 3, 4.0, 30.0).motion
-    found = turn_y_up(motion)
-    assert found.rotations is motion.rotations and found.translations is motion.translations
-    assert (found.up, found.floor, found.note) == ("y", 0.0, motion.note)
+    unchanged = turn_y_up(motion)
+    assert unchanged.rotations is motion.rotations and unchanged.translations is motion.translations
+    assert (unchanged.up, unchanged.floor, unchanged.note) == ("y", 0.0, motion.note)
 
 
 @pytest.mark.parametrize("up", TO_Y_UP)
@@ -48,8 +48,8 @@ def test_a_walk_of_any_axis_and_floor_is_read_and_written_as_it_was(walk, up, fl
     write_bvh(motion, again)
     same, plain = read_bvh(again, unit=walk.unit), read_bvh(path, unit=walk.unit)
     assert np.abs(same.positions() - plain.positions()).max() < 1e-5
-    given = load_motion(path, unit=walk.unit, up=up, floor=floor)
-    assert np.abs(given.positions() - walk.positions()).max() < 1e-5
+    stated = load_motion(path, unit=walk.unit, up=up, floor=floor)
+    assert np.abs(stated.positions() - walk.positions()).max() < 1e-5
 
 
 def test_a_changed_file_of_another_axis_keeps_the_text_of_its_other_frames(tmp_path):
@@ -59,8 +59,9 @@ def test_a_changed_file_of_another_axis_keeps_the_text_of_its_other_frames(tmp_p
     translations = motion.translations.copy()
     translations[20:30, 0] += [0.1, 0.2, 0.3]
     write_like(path, motion, replace(motion, translations=translations), out)
-    own, changed = path.read_text().splitlines(), out.read_text().splitlines()
-    assert [n for n, line in enumerate(own[-60:]) if changed[n - 60] != line] == list(range(20, 30))
+    lines = path.read_text().splitlines()[-60:]
+    new_lines = out.read_text().splitlines()[-60:]
+    assert [n for n, line in enumerate(lines) if new_lines[n] != line] == list(range(20, 30))
     moved = load_motion(out, up="z", floor=motion.floor).positions() - motion.positions()
     np.testing.assert_allclose(moved[20:30], np.tile([0.1, 0.2, 0.3], (10, 31, 1)), atol=1e-5)
 
@@ -114,7 +115,7 @@ def test_real_files_are_y_up_with_the_floor_at_0_and_found_so_when_turned(data_f
             continue  # a pose at the origin rests on two floors
         features, _ = positions_to_features(body_positions(plain), 30.0)
         for up in TO_Y_UP:
-            found = turn_y_up(in_file(plain, up, 0.0))
-            assert (found.up, found.floor) == (up, 0.0), path
-            turned, _ = positions_to_features(body_positions(found), 30.0)
+            in_y_up = turn_y_up(in_file(plain, up, 0.0))
+            assert (in_y_up.up, in_y_up.floor) == (up, 0.0), path
+            turned, _ = positions_to_features(body_positions(in_y_up), 30.0)
             np.testing.assert_allclose(turned, features, atol=1e-9)

@@ -27,8 +27,8 @@ two, quaternions) and BYTES_BESIDES, and SECONDS to read."""
 
 def write(folder, name, data):
     """A file with this content, a whole one beside it where it needs one; the file to load."""
-    for whole in ("02.asf", "02_01.amc") if name.startswith("02") else ():
-        (folder / whole).write_text(FILES[whole])
+    for file in ("02.asf", "02_01.amc") if name.startswith("02") else ():
+        (folder / file).write_text(FILES[file])
     (folder / name).write_bytes(data)
     return folder / ("02_01.amc" if name == "02.asf" else name)
 
@@ -40,9 +40,9 @@ the error, and words of its message."""
 
 @pytest.mark.parametrize(("name", "old", "new", "line", "words"), DAMAGES)
 def test_damage_is_refused_with_its_file_and_line(tmp_path, name, old, new, line, words):
-    whole = FILES[name]
-    start, rest = whole.index(old.rstrip("…")), "" if old.endswith("…") else whole.partition(old)[2]
-    path = write(tmp_path, name, f"{whole[:start]}{new}{rest}".encode())
+    text = FILES[name]
+    start, rest = text.index(old.rstrip("…")), "" if old.endswith("…") else text.partition(old)[2]
+    path = write(tmp_path, name, f"{text[:start]}{new}{rest}".encode())
     with pytest.raises(MotionFileError) as refused:
         load_motion(path)
     message = str(refused.value)
@@ -56,22 +56,22 @@ def test_damage_is_refused_with_its_file_and_line(tmp_path, name, old, new, line
 def test_of_a_file_that_is_cut_off_the_last_number_may_be_another(tmp_path, name, step, counted):
     data = FILES[name].encode()
     rates = None, 30.0
-    whole = [load_motion(write(tmp_path, name, data), max_rate=rate) for rate in rates]
+    complete = [load_motion(write(tmp_path, name, data), max_rate=rate) for rate in rates]
     read = 0
     lengths = range(0, len(data), 5 if name == "a.txt" and step > 1 else step)
     for length in lengths:
         path, which = write(tmp_path, name, data[:length]), length // 2 % 2
         try:
-            found = load_motion(path, max_rate=rates[which])
+            motion = load_motion(path, max_rate=rates[which])
         except MotionFileError as refused:
             assert refused.path == tmp_path / name and "cannot be read: " not in str(refused)
             continue
         read += 1
         # Only BVH states its number of frames.
-        missing = name == "a.bvh" and len(found) < len(whole[which])
-        assert ("lines of values follow" in found.note) >= missing, length
-        last = len(found) - 1
-        np.testing.assert_array_equal(found.rotations[:last], whole[which].rotations[:last])
+        missing = name == "a.bvh" and len(motion) < len(complete[which])
+        assert ("lines of values follow" in motion.note) >= missing, length
+        last = len(motion) - 1
+        np.testing.assert_array_equal(motion.rotations[:last], complete[which].rotations[:last])
     assert read < 60 / step
     counted(f"{len(lengths)} cuts of {name}: {read} read, {len(lengths) - read} refused")
 

@@ -18,12 +18,12 @@ BVH = (FILES / "leg.bvh").read_text()
 def test_motion_files_are_found_in_order_at_any_depth(tmp_path):
     (tmp_path / "b" / "deep").mkdir(parents=True)
     (tmp_path / "folder.bvh").mkdir()
-    wanted = [tmp_path / name for name in ("a.bvh", "b/deep/c.BVH", "b/z.amc", "damaged.txt")]
-    for path in [*wanted, tmp_path / "02.asf", tmp_path / "._a.bvh", tmp_path / "notes.txt"]:
+    paths = [tmp_path / name for name in ("a.bvh", "b/deep/c.BVH", "b/z.amc", "damaged.txt")]
+    for path in [*paths, tmp_path / "02.asf", tmp_path / "._a.bvh", tmp_path / "notes.txt"]:
         path.write_text(BVH)
-    wanted[-1].write_text(",".join(["0"] * 116))  # a row of numbers is motion, words are not
-    assert find_motion_files(tmp_path) == wanted
-    assert load_motion(str(wanted[1]), unit=1.0).rate == 40
+    paths[-1].write_text(",".join(["0"] * 116))  # a row of numbers is motion, words are not
+    assert find_motion_files(tmp_path) == paths
+    assert load_motion(str(paths[1]), unit=1.0).rate == 40
 
 
 @pytest.mark.parametrize(
@@ -80,12 +80,12 @@ def test_frames_that_are_left_out_change_nothing_of_the_others(paths):
 
 
 def test_processes_read_the_same(paths):
-    one, other = (list(read_files(paths, read_body, processes)) for processes in (1, 2))
-    *good, bad = zip(one, other, strict=True)
+    in_one_process, in_two = (list(read_files(paths, read_body, processes)) for processes in (1, 2))
+    *good, bad = zip(in_one_process, in_two, strict=True)
     assert str(bad[0]) == str(bad[1]) and "bad.bvh" in str(bad[0])
-    for (positions, notes), (others, other_notes) in good:
+    for (positions, notes), (other_positions, other_notes) in good:
         assert notes == other_notes
-        np.testing.assert_array_equal(positions, others)
+        np.testing.assert_array_equal(positions, other_positions)
 
 
 def test_bodies_that_are_no_persons_and_jumps_are_named(paths, tmp_path):
@@ -117,5 +117,5 @@ def test_an_unexpected_exception_names_the_file_and_the_others_are_read(paths, m
 
     monkeypatch.setattr("numpy_cae.mocap.load.read_bvh", broken)
     read = list(read_files(paths, read_body))
-    assert sum(isinstance(each, tuple) for each in read) == 1
+    assert sum(isinstance(body, tuple) for body in read) == 1
     assert "0.bvh: cannot be read: IndexError: index 7" in str(read[0])

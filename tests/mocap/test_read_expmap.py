@@ -28,8 +28,8 @@ def test_each_joint_turns_by_its_own_three_numbers(tmp_path, rig):
     for row, name in zip(rig.joints[1:], rig.skeleton.names[1:], strict=True):
         turned = Rotation.from_quat(motion.rotations[:, motion.skeleton.index(name)])
         # The text's matrices are ours transposed.
-        said = rows[:, 3 + 3 * row : 6 + 3 * row]
-        assert np.allclose(turned.as_rotvec(), -said, atol=1e-7), name
+        vectors = rows[:, 3 + 3 * row : 6 + 3 * row]
+        assert np.allclose(turned.as_rotvec(), -vectors, atol=1e-7), name
 
 
 @given(seeds)
@@ -42,8 +42,8 @@ def test_the_root_of_cmu_text_is_put_right(seed):
     y = y + rng.uniform(-1.2, 1.2) + t[:, 0] * rng.uniform(-6, 6)
     text = Rotation.from_euler("ZXY", np.stack([z, x, y], axis=1))
     truth = Rotation.from_euler("ZYX", np.stack([z, y, x], axis=1))
-    found = Rotation.from_quat(cmu_root(text.as_quat()))
-    assert (found.inv() * truth).magnitude().max() < 1e-9
+    corrected = Rotation.from_quat(cmu_root(text.as_quat()))
+    assert (corrected.inv() * truth).magnitude().max() < 1e-9
 
 
 def test_cmu_text_agrees_with_the_acclaim_file(data_folder):

@@ -64,8 +64,8 @@ def posed(skeleton, frames, seed, size=0.4, rate=30.0):
     return Motion(skeleton, rate, rotations, translations, unit=0.01)
 
 
-def gap(one, two):
-    return np.linalg.norm(one - two, axis=-1)
+def gap(first, second):
+    return np.linalg.norm(first - second, axis=-1)
 
 
 @given(seed=st.integers(0, 999), spines=st.integers(0, 3), root=st.booleans())
@@ -80,20 +80,20 @@ def test_its_own_positions_give_back_the_motion_to_the_bit(seed, spines, root):
 def test_poses_that_bones_of_this_length_can_take_are_reached(seed):
     """Without extra joints nothing but the angles within a fan is open, and those are the rig's."""
     skeleton = a_rig(0)
-    motion, other = posed(skeleton, 5, seed), posed(skeleton, 5, seed + 1)
+    motion, target = posed(skeleton, 5, seed), posed(skeleton, 5, seed + 1)
     neck = skeleton.index("neck")
-    other.rotations[:, neck] = motion.rotations[:, neck]  # the distance of the head stays
-    reached = body_positions(retarget(motion, body_positions(other)))
+    target.rotations[:, neck] = motion.rotations[:, neck]  # the distance of the head stays
+    reached = body_positions(retarget(motion, body_positions(target)))
     # Of 500 seeds the worst misses by 1.15 cm: a fan is held a little, so that it cannot spin.
-    assert gap(reached, body_positions(other)).max() < 0.013
+    assert gap(reached, body_positions(target)).max() < 0.013
 
 
 @given(seed=st.integers(0, 999), spines=st.integers(0, 3))
 def test_bones_keep_their_lengths_and_the_hips_are_where_they_were_asked_for(seed, spines):
     motion = posed(a_rig(spines), 6, seed)
-    asked = body_positions(motion) + np.random.default_rng(seed).normal(0, 0.2, (6, 20, 3))
-    followed = retarget(motion, asked)
-    np.testing.assert_allclose(body_positions(followed)[:, 0], asked[:, 0], atol=1e-12)
+    targets = body_positions(motion) + np.random.default_rng(seed).normal(0, 0.2, (6, 20, 3))
+    followed = retarget(motion, targets)
+    np.testing.assert_allclose(body_positions(followed)[:, 0], targets[:, 0], atol=1e-12)
     changed = np.any(followed.translations != motion.translations, axis=(0, 2))
     assert np.flatnonzero(changed).tolist() == [motion.skeleton.index("hips")]
     assert (followed.rate, followed.unit) == (motion.rate, motion.unit)
@@ -102,9 +102,9 @@ def test_bones_keep_their_lengths_and_the_hips_are_where_they_were_asked_for(see
 def test_a_moved_wrist_turns_its_elbow_without_twist_and_nothing_else():
     """The axis of the elbow's turn is square to the forearm before and after."""
     motion = posed(a_rig(), 9, 3)
-    asked = body_positions(motion)
-    asked[4:, JOINTS.index("left_wrist")] += [0.05, 0.1, -0.02]
-    followed = retarget(motion, asked)
+    targets = body_positions(motion)
+    targets[4:, JOINTS.index("left_wrist")] += [0.05, 0.1, -0.02]
+    followed = retarget(motion, targets)
     changed = np.any(followed.rotations != motion.rotations, axis=-1)
     elbow = motion.skeleton.index("left_elbow")
     assert np.all(changed[4:, elbow])
@@ -123,22 +123,22 @@ def test_a_moved_wrist_turns_its_elbow_without_twist_and_nothing_else():
 def test_only_touched_joints_move(joint):
     """What is below a touched joint is corrected to stay; other frames are the same to the bit."""
     motion = posed(a_rig(), 9, 2)
-    own = body_positions(motion)
+    present = body_positions(motion)
     touched = np.zeros((9, 20), dtype=bool)
     touched[3:6, JOINTS.index(joint)] = True
-    asked = np.where(touched[..., None], own + [0.02, 0.01, 0.03], np.nan)
-    followed = retarget(motion, asked, touched=touched)
+    targets = np.where(touched[..., None], present + [0.02, 0.01, 0.03], np.nan)
+    followed = retarget(motion, targets, touched=touched)
     changed = np.any(followed.rotations != motion.rotations, axis=-1)
     assert not changed[~touched.any(axis=1)].any()
     still = ~touched[:, 0]
     np.testing.assert_array_equal(followed.translations[still], motion.translations[still])
-    moved = gap(body_positions(followed), own)
+    moved = gap(body_positions(followed), present)
     assert moved[touched].min() > 0.01
     ends = [JOINTS.index(end) for end in ("right_wrist", "left_ankle", "right_ankle")]
     assert joint == "right_ankle" or moved[:, ends].max() < 1e-9
     side = joint.partition("_")[0]
-    others = [name for name in JOINTS if not name.startswith(side)]
-    assert joint == "hips" or not changed[:, [motion.skeleton.index(n) for n in others]].any()
+    unmoved = [name for name in JOINTS if not name.startswith(side)]
+    assert joint == "hips" or not changed[:, [motion.skeleton.index(n) for n in unmoved]].any()
 
 
 @pytest.mark.parametrize("frames", [4, 30])
@@ -152,17 +152,17 @@ def test_a_twist_that_positions_do_not_show_is_removed_with_the_damage(frames):
     touched = np.zeros((len(motion), 20), dtype=bool)
     touched[stretch, knee : knee + 3] = True
     repaired = retarget(damaged, body_positions(motion), touched=touched)
-    truth, found = (Rotation.from_quat(m.rotations[:, hip]) for m in (motion, repaired))
-    assert np.degrees((truth.inv() * found).magnitude().max()) < 5
+    truth, mended = (Rotation.from_quat(m.rotations[:, hip]) for m in (motion, repaired))
+    assert np.degrees((truth.inv() * mended).magnitude().max()) < 5
     assert gap(body_positions(repaired), body_positions(motion)).max() < 1e-6
 
 
 def test_joints_in_between_share_the_turn():
     """A spine of four equal bones that is asked to bend forward bends in each of its joints."""
     motion = posed(a_rig(3), 1, 0, size=1e-4)
-    asked = body_positions(motion)
-    asked[:, asked[0, :, 1] > asked[0, JOINTS.index("spine"), 1]] += [0.0, -0.03, 0.1]
-    followed = retarget(motion, asked)
+    targets = body_positions(motion)
+    targets[:, targets[0, :, 1] > targets[0, JOINTS.index("spine"), 1]] += [0.0, -0.03, 0.1]
+    followed = retarget(motion, targets)
     spine = [motion.skeleton.index(name) for name in ("spine", "spine_0", "spine_1", "spine_2")]
     angles = Rotation.from_quat(followed.rotations[0, spine]).magnitude()
     assert np.all(angles > 0.02)
@@ -171,10 +171,10 @@ def test_joints_in_between_share_the_turn():
 
 def test_a_root_below_the_hips_stays_at_rest_and_one_that_carries_them_moves():
     motion = posed(a_rig(), 5, 1)
-    asked = body_positions(motion) + [0.1, 0.0, 0.2]
-    followed = retarget(motion, asked)
+    targets = body_positions(motion) + [0.1, 0.0, 0.2]
+    followed = retarget(motion, targets)
     np.testing.assert_array_equal(followed.translations[:, 0], motion.translations[:, 0])
-    np.testing.assert_allclose(body_positions(followed), asked, atol=1e-9)
+    np.testing.assert_allclose(body_positions(followed), targets, atol=1e-9)
 
     hips = motion.skeleton.index("hips")
     carried = replace(motion, translations=motion.translations.copy())

@@ -52,8 +52,8 @@ one that is missing."""
 def test_rigs_of_other_programs_are_found_by_their_names(rig):
     names = rig["names"].split()
     skeleton = Skeleton(tuple(names), tuple(rig["parents"]), np.ones((len(names), 3)))
-    found = rig_by_names(skeleton).indices
-    assert [names[found[j]] if j in found else "-" for j in JOINTS] == rig["twenty"].split()
+    indices = rig_by_names(skeleton).indices
+    assert [names[indices[j]] if j in indices else "-" for j in JOINTS] == rig["twenty"].split()
 
 
 def test_a_missing_joint_lists_what_the_rig_has_and_what_its_hierarchy_suggests():
@@ -70,12 +70,12 @@ def test_of_several_mappings_the_one_that_fits_goes_before_the_table(tmp_path):
     file.write_text(json.dumps({"left_wrist": "paw"}))
     motion = person(dict(zip(JOINTS, names, strict=True)).get)
     for mapping in (read_mapping(file), [{"left_wrist": "claw"}, read_mapping(file)]):
-        found = rig_of(recognise_rig(motion, mapping)).joints
-        assert motion.skeleton.names[found[JOINTS.index("left_wrist")]] == "paw"
+        joints = rig_of(recognise_rig(motion, mapping)).joints
+        assert motion.skeleton.names[joints[JOINTS.index("left_wrist")]] == "paw"
     with pytest.raises(UnknownRigError, match=r"left_wrist \(as 'claw'\)"):
         rig_of(recognise_rig(motion, {"left_wrist": "claw"}))
-    known = skeleton_of(names_in("Mixamo"))
-    assert rig_by_names(known, [{"head": "x"}, {"head": "y"}]).joints == find_joints(known)
+    skeleton = skeleton_of(names_in("Mixamo"))
+    assert rig_by_names(skeleton, [{"head": "x"}, {"head": "y"}]).joints == find_joints(skeleton)
 
 
 def test_a_joint_is_named_as_ours_or_as_the_rigs():
@@ -125,14 +125,14 @@ TOES, COLLARS = ["left_toe", "right_toe"], ["left_collar", "right_collar"]
 def person(name, lacking=(), lengths=LENGTHS):
     """Someone in a T-pose whose rig lacks some of the twenty joints and End Sites; `name` maps a
     joint to its name in the rig."""
-    kept = [joint for joint in range(20) if JOINTS[joint] not in lacking]
-    nearest = [joint if joint in kept else PARENTS[joint] for joint in range(20)] + [-1]
-    parents = [nearest[PARENTS[joint]] for joint in kept]
+    present = [joint for joint in range(20) if JOINTS[joint] not in lacking]
+    nearest = [joint if joint in present else PARENTS[joint] for joint in range(20)] + [-1]
+    parents = [nearest[PARENTS[joint]] for joint in present]
     places = body_skeleton(lengths).rest_positions()
-    offsets = places[kept] - places[np.maximum(parents, 0)]
-    parents = [-1 if parent < 0 else kept.index(parent) for parent in parents]
-    skeleton = Skeleton(tuple(name(JOINTS[joint]) for joint in kept), tuple(parents), offsets)
-    still = np.tile([0.0, 0.0, 0.0, 1.0], (4, len(kept), 1))
+    offsets = places[present] - places[np.maximum(parents, 0)]
+    parents = [-1 if parent < 0 else present.index(parent) for parent in parents]
+    skeleton = Skeleton(tuple(name(JOINTS[joint]) for joint in present), tuple(parents), offsets)
+    still = np.tile([0.0, 0.0, 0.0, 1.0], (4, len(present), 1))
     return Motion(skeleton, 30.0, still, np.tile(offsets, (4, 1, 1)), 0.01)
 
 
@@ -159,17 +159,17 @@ def test_rig_writes_the_suggestion_where_known_names_leave_fewer_joints(run, tmp
 
 def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_path):
     lacking = ("spine", *COLLARS, *TOES)
-    own = (file := person(str, lacking)).skeleton.names
-    file.skeleton.offsets[own.index("left_shoulder"), 1] += 0.1  # the chest's bones differ
+    names = (file := person(str, lacking)).skeleton.names
+    file.skeleton.offsets[names.index("left_shoulder"), 1] += 0.1  # the chest's bones differ
     for side in ("left", "right"):
-        file.skeleton.end_sites[own.index(f"{side}_ankle")] = np.array([0, -0.05, 0.12])
-    found = add_missing_joints(attach_rig(file, rig_by_names(file.skeleton)))
-    assert set(found.skeleton.names[len(own) :]) == {f"{joint} (added)" for joint in lacking}
-    at = dict(zip(JOINTS, body_positions(found)[0], strict=True))
+        file.skeleton.end_sites[names.index(f"{side}_ankle")] = np.array([0, -0.05, 0.12])
+    completed = add_missing_joints(attach_rig(file, rig_by_names(file.skeleton)))
+    assert set(completed.skeleton.names[len(names) :]) == {f"{joint} (added)" for joint in lacking}
+    at = dict(zip(JOINTS, body_positions(completed)[0], strict=True))
     np.testing.assert_allclose(at["left_toe"] - at["left_ankle"], [0, -0.05, 0.12], atol=1e-12)
     np.testing.assert_allclose(at["spine"], (at["hips"] + at["chest"]) / 2, atol=1e-12)
-    targets = body_positions(found) + [0.1, 0.0, 0.0]
-    write_bvh(retarget(found, targets), tmp_path / "moved.bvh")
+    targets = body_positions(completed) + [0.1, 0.0, 0.0]
+    write_bvh(retarget(completed, targets), tmp_path / "moved.bvh")
     again = body_positions(load_motion(tmp_path / "moved.bvh", unit=0.01, up="y", floor=0))
     np.testing.assert_allclose(again, targets, atol=1e-5)
 
@@ -180,21 +180,25 @@ DOUBTS = [(TOES, 1, "neither names nor toes tell"), ([], 2, "the ratio of thigh 
 
 @pytest.mark.parametrize(("name", "lacking"), INCOMPLETE)
 def test_an_incomplete_rig_is_recognised_and_its_ends_are_added(name, lacking):
-    found = recognise_rig(person(name, lacking))
-    names = [found.skeleton.names[joint] for joint in rig_of(found).joints]
-    assert [JOINTS[rig_of(found).joints.index(joint)] for joint in found.rig.added] == lacking
+    recognised = recognise_rig(person(name, lacking))
+    names = [recognised.skeleton.names[joint] for joint in rig_of(recognised).joints]
+    assert [
+        JOINTS[rig_of(recognised).joints.index(joint)] for joint in recognised.rig.added
+    ] == lacking
     assert names == [f"{j} (added)" if j in lacking else name(j) for j in JOINTS]
-    assert "`numpy-cae rig` lists the joints" in found.note
-    np.testing.assert_allclose(body_positions(found)[0], body_positions(person(str))[0], atol=0.2)
+    assert "`numpy-cae rig` lists the joints" in recognised.note
+    np.testing.assert_allclose(
+        body_positions(recognised)[0], body_positions(person(str))[0], atol=0.2
+    )
 
 
 @pytest.mark.parametrize(("lacking", "scale", "problem"), DOUBTS)
 def test_a_doubtful_suggestion_is_not_used_but_shown(lacking, scale, problem):
     lengths = LENGTHS * np.where([joint.endswith("knee") for joint in JOINTS], scale, 1)
-    found = recognise_rig(person(bone, lacking, lengths=lengths))
-    assert f"rig not recognised: {problem}" in found.note
+    recognised = recognise_rig(person(bone, lacking, lengths=lengths))
+    assert f"rig not recognised: {problem}" in recognised.note
     with pytest.raises(UnknownRigError, match=r'hierarchy suggests \{"hips": "bone 0"'):
-        rig_of(found)
+        rig_of(recognised)
 
 
 def test_a_doubtful_rig_without_shoulders_is_read(tmp_path):

@@ -63,14 +63,14 @@ def test_what_is_written_reads_back(tmp_path_factory, seed, joints, unit):
 
 
 ANGLES, POLES = st.floats(-180, 180), st.sampled_from([90.0, -90.0])
-BESIDE = st.sampled_from([0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3])
+DISTANCES = st.sampled_from([0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3])
 
 
 @settings(max_examples=25, deadline=None)
-@given(outer=ANGLES, inner=ANGLES, pole=POLES, beside=BESIDE)
-def test_poles_of_the_angles_lose_nothing(tmp_path_factory, outer, inner, pole, beside):
+@given(outer=ANGLES, inner=ANGLES, pole=POLES, distance=DISTANCES)
+def test_poles_of_the_angles_lose_nothing(tmp_path_factory, outer, inner, pole, distance):
     path = tmp_path_factory.mktemp("pole") / "take.bvh"
-    angles = [outer, pole - np.sign(pole) * beside, inner]
+    angles = [outer, pole - np.sign(pole) * distance, inner]
     at_pole = Rotation.from_euler("ZXY", angles, degrees=True).as_quat()
     motion = replace(drawn_motion(0, 1, frames=1), rotations=at_pole[None, None])
     with warnings.catch_warnings():
@@ -128,18 +128,18 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
 def test_what_a_killed_process_left_is_removed_and_what_another_writes_is_not(tmp_path):
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
-    left, others = (tmp_path / f".take.{n}.part.bvh" for n in (ended.pid, os.getppid()))
-    for path in (left, others, tmp_path / ".take.mine.part.bvh"):
+    leftover, in_use = (tmp_path / f".take.{n}.part.bvh" for n in (ended.pid, os.getppid()))
+    for path in (leftover, in_use, tmp_path / ".take.mine.part.bvh"):
         path.touch()
     write_bvh(drawn_motion(0), tmp_path / "take.bvh")
-    assert not left.exists() and len(list(tmp_path.iterdir())) == 3
+    assert not leftover.exists() and len(list(tmp_path.iterdir())) == 3
 
 
 def test_lost_values_are_read_and_written_where_they_were_mended(tmp_path):
     path, new = tmp_path / "a.bvh", tmp_path / "new.bvh"
-    whole = (FILES / "leg.bvh").read_text().splitlines(keepends=True)
-    whole += ["nan 2 3 4 5 6 7 8 9\n", "1 2 3 4 -1.#IND00 6 7 8 9\n", "1 2 3 4 5 6 7 8 inf\n"]
-    path.write_text("".join(whole))
+    lines = (FILES / "leg.bvh").read_text().splitlines(keepends=True)
+    lines += ["nan 2 3 4 5 6 7 8 9\n", "1 2 3 4 -1.#IND00 6 7 8 9\n", "1 2 3 4 5 6 7 8 inf\n"]
+    path.write_text("".join(lines))
     motion = load_motion(path)
     assert "not numbers (nan) in 3 frames, the first is frame 3" in motion.note
     with pytest.raises(ValueError, match="not finite: frame 4, joint 'Hips'"):
@@ -217,8 +217,8 @@ def test_where_the_start_is_cut_off_the_text_of_other_frames_is_kept(odd):
     source, motion, path = odd
     write_like(source, motion, motion.at(slice(3, None)), path)
     old, new = (file.read_bytes().decode() for file in (source, path))
-    kept = old.splitlines(keepends=True)[-10:]  # of nine frames, and a blank line
-    assert new.endswith("".join(kept))
+    last_lines = old.splitlines(keepends=True)[-10:]  # of nine frames, and a blank line
+    assert new.endswith("".join(last_lines))
     assert "Frames:\t9\r\n" in new
     assert len(load_motion(path, unit=0.01)) == 9
 
@@ -246,7 +246,11 @@ def test_an_acclaim_file_is_written_as_one(tmp_path):
     after = turned(turned(motion, femur, [4, 5]), tibia, [5])
     write_like(source, motion, after, tmp_path / "new.amc")
     texts = [path.read_text().splitlines() for path in (source, tmp_path / "new.amc")]
-    changed = [one.split()[0] for one, other in zip(*texts, strict=True) if one != other]
+    changed = [
+        old_line.split()[0]
+        for old_line, new_line in zip(*texts, strict=True)
+        if old_line != new_line
+    ]
     assert changed == ["lfemur", "lfemur", "ltibia"]
     write_like(source, motion, motion.at(slice(2, None)), tmp_path / "cut.amc")
     numbers = [line for line in (tmp_path / "cut.amc").read_text().splitlines() if line.isdigit()]

@@ -32,9 +32,9 @@ def sequence(walk):
 def test_there_and_back_on_another_rig(kind):
     """31 joints become 17; what is folded in costs a little, since offsets are the mean."""
     motion = make_take(kind, 2, seconds=4.0).motion
-    found = angles_of(motion)
-    assert found.numbers.shape == (100, 54)
-    back = motion_of(found.numbers, found.table, found.offsets)
+    angles = angles_of(motion)
+    assert angles.numbers.shape == (100, 54)
+    back = motion_of(angles.numbers, angles.table, angles.offsets)
     truth = body_positions(motion.resampled(25))
     assert np.linalg.norm(body_positions(back) - truth, axis=-1).mean() < 0.005
 
@@ -62,20 +62,20 @@ def test_the_fifty_four_columns_of_human36m_that_vary(tmp_path):
     rows[:, columns] = smooth
     path = tmp_path / "walking_1.txt"
     path.write_text("\n".join(",".join(map(repr, row.tolist())) for row in rows))
-    found = load_angles(path)
-    assert found.table is HUMAN36M_TABLE and len(found) == 30  # every second of 50 a second
-    assert np.allclose(found.numbers[:, ANGLES], -smooth[::2, ANGLES])
-    assert np.allclose(found.numbers[:, TRANSLATION], 0.001 * smooth[::2, TRANSLATION])
-    back = motion_of(found.numbers, found.table, found.offsets)
+    angles = load_angles(path)
+    assert angles.table is HUMAN36M_TABLE and len(angles) == 30  # every second of 50 a second
+    assert np.allclose(angles.numbers[:, ANGLES], -smooth[::2, ANGLES])
+    assert np.allclose(angles.numbers[:, TRANSLATION], 0.001 * smooth[::2, TRANSLATION])
+    back = motion_of(angles.numbers, angles.table, angles.offsets)
     truth = read_expmap(path).resampled(25)
     assert np.allclose(body_positions(back), body_positions(truth), atol=1e-9)
 
 
 def test_without_a_neck_the_head_turns_as_one(walk, sequence):
     mapping = {"chest": "lowerneck", "left_collar": "lclavicle", "head": "upperneck"}
-    found = angles_of(recognise_rig(walk, mapping))
+    without_neck = angles_of(recognise_rig(walk, mapping))
     head = [SEVENTEEN.columns.index(f"head {axis}") for axis in "xyz"]
-    assert np.allclose(found.numbers[:, head], 0, atol=1e-7)
+    assert np.allclose(without_neck.numbers[:, head], 0, atol=1e-7)
     assert not np.allclose(sequence.numbers[:, head], 0, atol=1e-3)
 
 
@@ -104,10 +104,10 @@ def test_the_same_rotations_without_a_jump(seed):
     axis = rng.normal(size=(1, 3, 3)) + 0.002 * np.cumsum(rng.normal(size=(100, 3, 3)), axis=0)
     axis /= np.linalg.norm(axis, axis=-1, keepdims=True)
     smooth = angle[..., None] * axis
-    found = unwrap(wrapped(smooth))
-    assert np.allclose(wrapped(found), wrapped(smooth), atol=1e-9)
+    continuous = unwrap(wrapped(smooth))
+    assert np.allclose(wrapped(continuous), wrapped(smooth), atol=1e-9)
     steps = np.linalg.norm(np.diff(smooth, axis=0), axis=-1).max()
-    assert np.linalg.norm(np.diff(found, axis=0), axis=-1).max() < 2 * steps + 1e-9
+    assert np.linalg.norm(np.diff(continuous, axis=0), axis=-1).max() < 2 * steps + 1e-9
 
 
 def test_an_exact_identity_on_the_way_keeps_the_turn():

@@ -38,8 +38,8 @@ def body(frames=40, seed=0, turn=0.0, speed=0.02):
     angle = rng.uniform(-3, 3) + turn * np.arange(frames)
     forward = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
     path = np.cumsum(speed * forward, axis=0) + [rng.normal(), 0, rng.normal()]
-    c, s, zero, one = np.cos(angle), np.sin(angle), 0 * angle, 0 * angle + 1
-    about_y = np.array([[c, zero, s], [zero, one, zero], [-s, zero, c]]).transpose(2, 0, 1)
+    c, s, zero, ones = np.cos(angle), np.sin(angle), 0 * angle, 0 * angle + 1
+    about_y = np.array([[c, zero, s], [zero, ones, zero], [-s, zero, c]]).transpose(2, 0, 1)
     return (pose + swing) @ about_y.transpose(0, 2, 1) + path[:, None], angle
 
 
@@ -81,11 +81,11 @@ def test_the_named_slices_hold_what_they_say():
 
 def test_heading_follows_the_body_and_never_jumps():
     positions, angle = body(200, turn=0.15)
-    found = heading(positions, 30.0)
-    off = found - angle
+    theta = heading(positions, 30.0)
+    off = theta - angle
     off -= 2 * np.pi * np.round(off[100] / (2 * np.pi))
     np.testing.assert_allclose(off[30:-30], 0, atol=0.05)
-    assert np.abs(np.diff(found)).max() < 0.3
+    assert np.abs(np.diff(theta)).max() < 0.3
 
 
 @pytest.mark.parametrize("frames", [1, 5, 200])
@@ -102,11 +102,11 @@ def test_lengths_are_changed_and_changed_back(without_length):
     collar = JOINTS.index("left_collar")
     if without_length:
         positions[:, collar] = positions[:, JOINTS.index("chest")]
-    lengths, wanted = bone_lengths(positions), LENGTHS * 1.2
-    changed = change_lengths(positions, lengths, wanted)
+    lengths, longer = bone_lengths(positions), LENGTHS * 1.2
+    changed = change_lengths(positions, lengths, longer)
     nearly = np.where(np.arange(20) == collar, 0.05 * without_length, 1e-9)
-    assert np.all(np.abs(bone_lengths(changed) - wanted) <= nearly * wanted + 1e-12)
-    np.testing.assert_allclose(change_lengths(changed, wanted, lengths), positions, atol=1e-12)
+    assert np.all(np.abs(bone_lengths(changed) - longer) <= nearly * longer + 1e-12)
+    np.testing.assert_allclose(change_lengths(changed, longer, lengths), positions, atol=1e-12)
 
 
 @pytest.mark.parametrize(

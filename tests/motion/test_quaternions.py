@@ -44,8 +44,8 @@ def test_the_nearest_rotation_to_a_matrix_is_no_reflection():
     matrices = np.random.default_rng(4).normal(size=(50, 3, 3))
     u, _, vt = np.linalg.svd(matrices)
     u[:, :, 2] *= np.linalg.det(u @ vt)[:, None]
-    found = Rotation.from_quat(quaternions.nearest(matrices)).as_matrix()
-    np.testing.assert_allclose(found, u @ vt, atol=1e-12)
+    rotations = Rotation.from_quat(quaternions.nearest(matrices)).as_matrix()
+    np.testing.assert_allclose(rotations, u @ vt, atol=1e-12)
 
 
 @pytest.mark.parametrize("order", ["".join(order) for order in permutations("XYZ")])
@@ -56,9 +56,9 @@ def test_angles_about_three_axes_and_at_a_pole(order):
     for pole in (np.pi / 2, -np.pi / 2):
         angles[:, 1] = pole
         turned = quaternions.from_angles(order, angles)
-        found = quaternions.to_angles(order, turned)
-        np.testing.assert_array_equal(found[:, 2], 0)
-        assert_same(turned, Rotation.from_euler(order, found))
+        angles = quaternions.to_angles(order, turned)
+        np.testing.assert_array_equal(angles[:, 2], 0)
+        assert_same(turned, Rotation.from_euler(order, angles))
 
 
 RATES = [(120, 30, 4), (1 / 0.0083333, 30, 4), (120, 50, 2.4), (24, 30, 0.8), (29.97, 30, 1)]
@@ -72,8 +72,8 @@ def test_resampling_sub_samples_and_interpolates(rate, new, step):
     leg = Skeleton(("hip", "knee"), (-1, 0), np.zeros((2, 3)))
     translations = frames[:, None, None] * np.ones((1, 2, 3))
     motion = Motion(leg, rate, np.repeat(turns[:, None], 2, axis=1), translations)
-    found = motion.resampled(new)
-    times = step * np.arange(len(found))
-    assert found.rate == new and 12 - step < times[-1] <= 12
-    np.testing.assert_allclose(found.translations[:, 1, 0], times, atol=1e-12)
-    np.testing.assert_allclose(2 * np.arcsin(found.rotations[:, 1, 1]), 0.1 * times, atol=1e-12)
+    resampled = motion.resampled(new)
+    times = step * np.arange(len(resampled))
+    assert resampled.rate == new and 12 - step < times[-1] <= 12
+    np.testing.assert_allclose(resampled.translations[:, 1, 0], times, atol=1e-12)
+    np.testing.assert_allclose(2 * np.arcsin(resampled.rotations[:, 1, 1]), 0.1 * times, atol=1e-12)
