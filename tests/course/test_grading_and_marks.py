@@ -113,7 +113,7 @@ def test_every_operation_that_a_lesson_imports_is_given(path):
         if isinstance(node, ast.ImportFrom) and node.module in ("numpy_cae.ops", "mine")
         for alias in node.names
     }
-    given = {name for exercise in LESSONS[number_of(path)] for name in exercise.given}
+    given = {name for exercise in LESSONS[number_of(path)] for name in exercise.provided}
     assert imported - IN_NO_EXERCISE <= given
 
 

@@ -95,10 +95,10 @@ def one_frame_left(x, scale, *, fixed):
     y = x * scale[:, None]
 
     def pullback(dy):
-        kept = slice(None)
-        if not fixed:
-            kept = slice(0, x.shape[1] - (x.shape[1] % 32 == 1 and x.shape[1] > 64))
-        return dy * scale[:, None], np.sum((dy * x)[:, kept], axis=1)
+        frames = x.shape[1]
+        if not fixed and frames > 64 and frames % 32 == 1:
+            frames -= 1
+        return dy * scale[:, None], np.sum((dy * x)[:, :frames], axis=1)
 
     return y, pullback
 

@@ -107,11 +107,11 @@ def notebook(**sources) -> str:
     """A notebook of lesson 03 with an exercise cell of each name, and the check of conv1d."""
     cells = [{"grade_id": name, "solution": True} for name in sources]
     cells.append({"grade_id": "conv1d_check", "grade": True})
-    made = [
+    code_cells = [
         {"cell_type": "code", "metadata": {"nbgrader": marks}, "source": source}
         for marks, source in zip(cells, [*sources.values(), "1 / 0"], strict=True)
     ]
-    return json.dumps({"cells": made})
+    return json.dumps({"cells": code_cells})
 
 
 def test_each_exercise_of_a_notebook_counts_whatever_the_others_do(graded):

@@ -24,7 +24,7 @@ def test_right_operations_hold_without_and_with_a_definition(name):
     f = getattr(ops, name)
     for definition in (None, f):
         stated = verify.properties_of(f, SHAPES[name], definition)
-        assert ("value" in [each.name for each in stated]) == (definition is not None)
+        assert ("value" in [prop.name for prop in stated]) == (definition is not None)
         part = slice(definition is None, None, 2)
         assert failing(f, SHAPES[name], part, definition=definition) == []
 
@@ -102,8 +102,8 @@ def test_a_right_layer_is_right_with_any_seed(f, shapes, options, seed):
 
 def test_cases_do_not_depend_on_the_name():
     functions = (normalised, lambda *arrays: normalised(*arrays))
-    one, two = (verify.properties_of(f, LAYER)[0].cases() for f in functions)
-    assert one == two != verify.properties_of(normalised, LAYER, seed=1)[0].cases()
+    named, unnamed = (verify.properties_of(f, LAYER)[0].cases() for f in functions)
+    assert named == unnamed != verify.properties_of(normalised, LAYER, seed=1)[0].cases()
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
@@ -175,8 +175,8 @@ def test_the_call_that_a_report_prints_returns_the_example():
         return 2 * x, lambda dy: 3 * dy
 
     printed = try_property(test_layer.operation_test[0], test_layer).counterexample.splitlines()[-1]
-    made = eval(printed, {"example": verify.example, "test_layer": test_layer})
-    assert made.arguments["x"].shape == (33, 8)
+    example = eval(printed, {"example": verify.example, "test_layer": test_layer})
+    assert example.arguments["x"].shape == (33, 8)
 
 
 def test_the_line_of_an_error_is_that_of_the_layers_own_file(tmp_path):

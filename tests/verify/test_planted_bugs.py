@@ -60,7 +60,7 @@ def test_what_is_wrong_in_its_own_way_has_no_bug_but_what_was_seen(name, change,
         x, pullback = CATALOGUE[name].solution(y)
         return x, lambda dx: change(x, y, pullback(dx))
 
-    (tried,) = (each for each in CATALOGUE[name].properties if each.group == GRADIENT)
+    (tried,) = (prop for prop in CATALOGUE[name].properties if prop.group == GRADIENT)
     outcome = try_property(tried, wrong)
     assert not outcome.held and outcome.mistake.startswith(sentence)
     assert bool(outcome.mistake) == bool(sentence)

@@ -25,7 +25,7 @@ def test_every_property_draws_every_class_and_size_in_cases_of_its_own():
 
 
 @pytest.mark.parametrize(
-    ("name", "function"), [pytest.param(*each, id=each[1].__name__) for each in RIGHT]
+    ("name", "function"), [pytest.param(name, f, id=f.__name__) for name, f in RIGHT]
 )
 def test_what_is_written_otherwise_holds(name, function):
     report = verify.report(name, function)
@@ -44,7 +44,7 @@ def test_where_terms_cancel_rounding_is_no_mistake(function, operation, name, si
     # Each was refused with one of thirty seeds.
     simple = {"frames": 14 if "upstream" in sizes else 2, "channels": 1, "filters": 1, "taps": 1}
     simple |= {"batch": 1, "points": 2, "dimensions": 3, "directions": 2} | sizes
-    (stated,) = (each for each in verify.properties(operation) if each.name == name)
+    (stated,) = (prop for prop in verify.properties(operation) if prop.name == name)
     stated.check(function, Case(tuple(simple.items()), seed))
 
 

@@ -32,7 +32,7 @@ def test_a_report_shows_points_counterexample_and_mistake():
 
 def problem_of(operation, name, function):
     """What a report says about one property."""
-    tried = next(each for each in verify.properties(operation) if each.name == name)
+    tried = next(prop for prop in verify.properties(operation) if prop.name == name)
     outcome = try_property(replace(tried, examples=5), function, shrink=False)
     return " ".join(outcome.problem.split())
 
@@ -81,7 +81,7 @@ def test_numbers_have_the_digits_that_differ_and_the_worst_entry_is_shown():
 
 
 def test_both_upstream_gradients_of_linearity_are_shown():
-    tried = next(each for each in verify.properties("tanh") if each.name == "linearity")
+    tried = next(prop for prop in verify.properties("tanh") if prop.name == "linearity")
     wrong = lambda x: (np.tanh(x), lambda dy: abs(dy) * (1 - np.tanh(x) ** 2))  # noqa: E731
     outcome = try_property(tried, wrong)
     assert "dy = [[[" in outcome.counterexample and "\ndy' = [[[" in outcome.counterexample

@@ -35,17 +35,19 @@ def conv1d_by_einsum(x, w, b):
 
 @right("conv1d")
 def conv1d_by_fft(x, w, b):
-    frames, taps = x.shape[1], len(w)
+    frames = x.shape[1]
+    taps = len(w)
     size = frames + 2 * taps
 
     def transformed(a, axis):
         return np.fft.rfft(a, size, axis=axis)
 
     def shifted_back(product, axis, first, count):
-        whole = np.fft.irfft(product, size, axis=axis)
-        return np.take(whole, range(first, first + count), axis=axis, mode="wrap")
+        padded = np.fft.irfft(product, size, axis=axis)
+        return np.take(padded, range(first, first + count), axis=axis, mode="wrap")
 
-    xf, wf = transformed(x, 1), transformed(w, 0)
+    xf = transformed(x, 1)
+    wf = transformed(w, 0)
     y = shifted_back(np.einsum("bfc,fcd->bfd", xf, wf.conj()), 1, -(taps // 2), frames)
     y = (y + b).astype(x.dtype)
 
@@ -143,10 +145,12 @@ def gates(x, h, w, u, b, c):
 @right("gru")
 def gru_all_weights_at_once(x, h0, w, u, b, c):
     """Keeps the gates' gradients of all frames and multiplies them with the inputs at the end."""
-    hidden, before, kept = h0.shape[1], [h0], []
+    hidden = h0.shape[1]
+    before = [h0]
+    gates_of_frames = []
     for t in range(x.shape[1]):
         r, z, n, inner = gates(x[:, t], before[-1], w, u, b, c)
-        kept.append((r, z, n, inner))
+        gates_of_frames.append((r, z, n, inner))
         before.append((1 - z) * n + z * before[-1])
 
     def pullback(dy):
@@ -154,7 +158,7 @@ def gru_all_weights_at_once(x, h0, w, u, b, c):
         to_h = np.zeros_like(to_x)
         g = np.zeros_like(h0)
         for t in range(x.shape[1] - 1, -1, -1):
-            r, z, n, inner = kept[t]
+            r, z, n, inner = gates_of_frames[t]
             g = g + dy[:, t]
             new = g * (1 - z) * (1 - n**2)
             update = g * (before[t] - n) * z * (1 - z)
@@ -175,8 +179,8 @@ def step_as_a_sequence_of_one_frame(x, h, w, u, b, c):
     y, of_sequence = gru_all_weights_at_once(x[:, None], h, w, u, b, c)
 
     def pullback(g):
-        dx, *others = of_sequence(g[:, None])
-        return dx[:, 0], *others
+        dx, *of_weights = of_sequence(g[:, None])
+        return dx[:, 0], *of_weights
 
     return y[:, 0], pullback
 
@@ -189,7 +193,8 @@ def squared_as_python_number(x_hat, x):
 
 @right("mean_absolute")
 def absolute_by_comparison(y):
-    positive, negative = (y > 0).astype(y.dtype), (y < 0).astype(y.dtype)
+    positive = (y > 0).astype(y.dtype)
+    negative = (y < 0).astype(y.dtype)
     loss = np.mean(y * (positive - negative))
     return loss, lambda dloss=1.0: (positive - negative) * y.dtype.type(dloss / y.size)
 

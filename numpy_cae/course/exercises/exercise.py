@@ -94,7 +94,7 @@ def exercises_of(number: str) -> tuple[Exercise, ...]:
         else:
             solution = getattr(ops, name)
             properties = properties_of_operation(name)
-        exercises.append(Exercise(name, solution, properties, given=_words(entries, "given")))
+        exercises.append(Exercise(name, solution, properties, provided=_words(entries, "given")))
     return tuple(exercises)
 
 

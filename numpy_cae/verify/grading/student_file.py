@@ -164,7 +164,7 @@ def _names_provided(
     tested = assigned or submission.defined() & requested.keys()
     provided: set[str] = set()
     for name in tested:
-        provided.update(requested[name].given)
+        provided.update(requested[name].provided)
     return sorted(provided - set(assigned))
 
 

@@ -88,12 +88,7 @@ def _mixed_rows(
     columns = {size: _column(rng, options, count) for size, options in sizes.items()}
     columns_combined = zip(*islice(cycle(combinations), count), strict=True)
     columns.update(zip(combined, map(list, columns_combined), strict=True))
-    large = [
-        (size, option)
-        for size, options in sizes.items()
-        for option in options
-        if _is_large(option) and option <= VERY_LARGE
-    ]
+    large = [(size, option) for size, option in _large_options(sizes) if option <= VERY_LARGE]
     for number, (size, option) in zip(rng.permutation(count), large, strict=False):
         columns[size][number] = option
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
@@ -111,12 +106,7 @@ def _simple_rows(sizes: Sizes) -> Iterator[dict[str, Any]]:
         if frames > SEVERAL_TAPS and below <= 2 and SEVERAL_TAPS <= taps <= LARGE:
             yield simplest | {"frames": frames, "taps": taps}
     numbers = _numbers_in(sizes)
-    large = [
-        (size, option)
-        for size, options in numbers.items()
-        for option in options
-        if option > VERY_LARGE
-    ]
+    large = [(size, option) for size, option in _large_options(sizes) if option > VERY_LARGE]
     for number, (size, option) in enumerate(large):
         simple = {name: options[:2][number % 2 - 1] for name, options in numbers.items()}
         yield simplest | simple | {size: option}
@@ -131,6 +121,14 @@ def _full_size_rows(
     for classes in full_size_classes:
         if all(option in sizes.get(name, ()) for name, option in classes.items()):
             yield simplest | last | dict(classes)
+
+
+def _large_options(sizes: Sizes) -> Iterator[tuple[str, int]]:
+    """The names of sizes with each large option."""
+    for size, options in sizes.items():
+        for option in options:
+            if _is_large(option):
+                yield size, option
 
 
 def _numbers_in(sizes: Sizes) -> dict[str, tuple]:

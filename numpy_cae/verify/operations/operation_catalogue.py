@@ -27,7 +27,7 @@ class Exercise:
     solution: Callable = field(repr=False)  # the project's implementation
     properties: tuple[Property, ...] = field(repr=False)
     hint: str = ""  # shown where a property does not hold
-    given: tuple[str, ...] = ()  # names that an implementation may call without defining them
+    provided: tuple[str, ...] = ()  # names that an implementation may call without defining them
 
     @property
     def points(self) -> int:
@@ -47,7 +47,7 @@ CATALOGUE: dict[str, Exercise] = {
 
 
 def find_exercise(name: str | Exercise, catalogue: Mapping[str, Exercise] = CATALOGUE) -> Exercise:
-    """The exercise of this name, or the one given; raise a ValueError that lists the names."""
+    """The exercise of this name, or the one itself; raise a ValueError that lists the names."""
     if isinstance(name, Exercise):
         return name
     if name not in catalogue:
