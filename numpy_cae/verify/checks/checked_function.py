@@ -83,12 +83,14 @@ class CheckedFunction:
 
     def output_at(self, leaves: list, places: Sequence[int], output: int) -> Callable:
         """One output, flat, as a function of the arrays at some places, given in one row."""
-        ends = np.cumsum([leaves[place].size for place in places])[:-1]
+        ends = np.cumsum([leaves[place].size for place in places])
 
         def output_of_row(row: np.ndarray) -> np.ndarray:
             arrays = copy_arrays(leaves)
-            for place, part in zip(places, np.split(np.ravel(row), ends), strict=True):
-                arrays[place] = part.reshape(leaves[place].shape)
+            entries = np.ravel(row)
+            for place, end in zip(places, ends, strict=True):
+                shape = leaves[place].shape
+                arrays[place] = entries[end - leaves[place].size : end].reshape(shape)
             with np.errstate(all="ignore"):
                 value = self.f(*rebuild(self.inputs, iter(arrays)))[0]
             return np.ravel(outputs_of(value)[output])
@@ -100,7 +102,7 @@ class CheckedFunction:
         upstreams = copy_arrays(dys)
         gradients = gradients_of_leaves(self.inputs, self.names, pullback(upstreams))
         for after, before in zip(upstreams, dys, strict=True):
-            _require_untouched("the upstream gradient", after, before)
+            _require_unaltered("the upstream gradient", after, before)
         for (name, _), gradient in zip(self.named_leaves, gradients, strict=True):
             if self.chooses(name) or self.chooses(TOGETHER):
                 require_finite(f"the gradient for {name}", gradient)
@@ -121,7 +123,7 @@ class CheckedFunction:
         gradients = self.pull(pullback, dys)
         first_gradients = copy_arrays(gradients)
         for (name, leaf), leaf_before in zip(self.named_leaves, before, strict=True):
-            _require_untouched(name, leaf, leaf_before)
+            _require_unaltered(name, leaf, leaf_before)
         self._require_linear(pullback, dys, first_gradients, before)
         _require_same(OVERWRITTEN, first_gradients, gradients)
         self._require_repeatable(before, outputs, dys, first_gradients)
@@ -193,7 +195,7 @@ def _multiply(factors: Sequence[float] | np.ndarray, dys: Sequence) -> list:
     return [None if dy is None else a * dy for a, dy in zip(factors, dys, strict=True)]
 
 
-def _require_untouched(name: str, array: object, before: Any) -> None:
+def _require_unaltered(name: str, array: object, before: Any) -> None:
     """Raise a Mismatch if an array is not what it was."""
     if isinstance(array, np.ndarray) and not np.array_equal(array, before, equal_nan=True):
         text = f"{name} was altered: an operation never changes its arguments"

@@ -369,10 +369,10 @@ def _directions(argument: Argument, rng: np.random.Generator) -> Iterator[np.nda
 def _entries(x: np.ndarray, entries: Iterable[int]) -> Iterator[np.ndarray]:
     """Directions of single entries, each as long as its entry is large."""
     scale = step_scale(x)
-    return (_restricted(scale, [entry]) for entry in entries)
+    return (_restrict(scale, [entry]) for entry in entries)
 
 
-def _restricted(direction: np.ndarray, entries: Sequence[int] | np.ndarray) -> np.ndarray:
+def _restrict(direction: np.ndarray, entries: Sequence[int] | np.ndarray) -> np.ndarray:
     """The direction in some of its entries, 0 in the others."""
     part = np.zeros(direction.size)
     part[entries] = direction.ravel()[entries]
@@ -387,7 +387,7 @@ def _trace(
     while len(entries) > 1:
         judged = []
         for half in np.array_split(entries, 2):
-            half_verdict = argument.judge(_restricted(direction, half))
+            half_verdict = argument.judge(_restrict(direction, half))
             judged.append((half, half_verdict))
         entries, verdict = _worst_of(judged)
     index = tuple(map(int, np.unravel_index(entries[0], direction.shape)))

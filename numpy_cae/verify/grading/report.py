@@ -57,9 +57,9 @@ class Report:
 
     @property
     def points(self) -> int:
-        return int(sum(self.earned()) + ROUNDING)
+        return int(sum(self.points_earned()) + ROUNDING)
 
-    def earned(self) -> list[float]:
+    def points_earned(self) -> list[float]:
         """Points per property.
 
         A property about the value earns its points alone, a gradient only if all of those hold,
@@ -131,7 +131,7 @@ class Report:
             yield _wrap("  not tried: ", ", ".join(untried), INDENT)
         if holding := [o.stated.name for o in self.outcomes if o.held]:
             yield _wrap("  hold: ", ", ".join(holding), INDENT)
-        pairs = zip(self.outcomes, self.earned(), strict=True)
+        pairs = zip(self.outcomes, self.points_earned(), strict=True)
         if any(outcome.held and not points for outcome, points in pairs):
             yield _wrap("  points: ", IN_ORDER, INDENT)
 
@@ -268,7 +268,7 @@ def holds(exercise: Exercise, implementation: Callable) -> bool:
     return all(failing_case(tried, implementation) is None for tried in exercise.properties)
 
 
-def readable(text: str) -> str:
+def make_readable(text: str) -> str:
     """A text of readable length, control characters escaped."""
     return visible(text[:LONGEST_TEXT])
 
@@ -297,12 +297,13 @@ def report_of(exercise: Exercise, reply: dict[str, Any]) -> Report:
     """
     outcomes: list[Outcome] = []
     try:
-        problem = readable(reply["failed"])
+        problem = make_readable(reply["failed"])
         sent = reply.get("outcomes", ()) if problem else reply["outcomes"]
         pairs = zip(exercise.properties, sent, strict=not problem)
         outcomes = [_outcome_of(stated, plain) for stated, plain in pairs]
         if "trying" in reply and problem:
-            problem += f"\nit was tried with {readable(reply['trying'])}; smaller cases were right"
+            trying = make_readable(reply["trying"])
+            problem += f"\nit was tried with {trying}; smaller cases were right"
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
     for stated in exercise.properties[len(outcomes) :]:
@@ -316,8 +317,8 @@ def _outcome_of(stated: Property, plain: dict[str, Any]) -> Outcome:
     return Outcome(
         stated,
         plain["held"] is True,
-        readable(plain["problem"]),
-        readable(plain["counterexample"]),
-        readable(plain["mistake"]),
-        readable(plain["kind"]),
+        make_readable(plain["problem"]),
+        make_readable(plain["counterexample"]),
+        make_readable(plain["mistake"]),
+        make_readable(plain["kind"]),
     )

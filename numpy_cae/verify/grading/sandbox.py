@@ -194,7 +194,7 @@ def _wait(process: int, seconds: float, folder: Path) -> str:
     begun = time.monotonic()
     while True:
         time.sleep(POLL_SECONDS)
-        elapsed = time.monotonic() - begun - _waited(process)
+        elapsed = time.monotonic() - begun - _seconds_waited(process)
         ended, status = os.waitpid(process, os.WNOHANG)
         if ended:
             is_out_of_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
@@ -202,7 +202,7 @@ def _wait(process: int, seconds: float, folder: Path) -> str:
         fault = ""
         if elapsed > seconds:
             fault = f"it did not finish within {seconds:.3g} s: an endless loop?"
-        if _written(folder) > MOST_WRITTEN:
+        if _bytes_written(folder) > MOST_WRITTEN:
             fault = f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
         if fault:
             os.kill(process, signal.SIGKILL)
@@ -210,7 +210,7 @@ def _wait(process: int, seconds: float, folder: Path) -> str:
             return fault
 
 
-def _waited(process: int) -> float:
+def _seconds_waited(process: int) -> float:
     """The seconds that a process has waited for a processor; 0 where the system does not say."""
     try:
         return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
@@ -218,7 +218,7 @@ def _waited(process: int) -> float:
         return 0.0
 
 
-def _written(folder: Path) -> int:
+def _bytes_written(folder: Path) -> int:
     """The bytes of all files in a folder."""
     total = 0
     for parent, _, names in os.walk(folder):
@@ -261,7 +261,7 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
     cpu = math.ceil(time.process_time() + seconds)
     limits = {
         "CPU": cpu,
-        "AS": _mapped() + megabytes * 2**20,
+        "AS": _bytes_mapped() + megabytes * 2**20,
         "NPROC": 0,
         "CORE": 0,
         "NOFILE": OPEN_FILES,
@@ -276,7 +276,7 @@ def confine(seconds: float, megabytes: int, folder: Path) -> list[ModuleType]:
     return _isolate_modules()
 
 
-def _mapped() -> int:
+def _bytes_mapped() -> int:
     """The bytes of memory that this process has mapped; 0 where the system does not say."""
     try:
         return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from numpy_cae.verify.grading.report import UNSOLVED, WIDTH, Report, readable, report_of
+from numpy_cae.verify.grading.report import UNSOLVED, WIDTH, Report, make_readable, report_of
 from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations import operation_catalogue
 from numpy_cae.verify.operations.operation_catalogue import CATALOGUE, Exercise
@@ -80,7 +80,7 @@ class FileReport:
         return sum(report.possible for report in self.reports)
 
     def __str__(self) -> str:
-        name = readable(str(self.path))
+        name = make_readable(str(self.path))
         notes = [f"The file fails: {fault}" for fault in self.faults]
         notes += [f"Note: {note}" for note in self.notes]
         verdict = "every property held" if self.held else "FAILED"
@@ -161,7 +161,7 @@ def _names_provided(
     submission: Submission, requested: Exercises, assigned: Collection[str]
 ) -> list[str]:
     """What the exercises that are tested may call without defining it."""
-    tested = assigned or submission.defined() & requested.keys()
+    tested = assigned or submission.functions_defined() & requested.keys()
     provided: set[str] = set()
     for name in tested:
         provided.update(requested[name].provided)
@@ -189,11 +189,11 @@ def _report_on(
     else:
         file.reports = reports
     if fault:
-        file.faults.append(readable(fault))
+        file.faults.append(make_readable(fault))
         return file
-    file.faults += [readable(problem) for problem in problems]
+    file.faults += [make_readable(problem) for problem in problems]
     if not file.reports:
-        file.faults.append(readable(MISSING))
+        file.faults.append(make_readable(MISSING))
     return file
 
 
@@ -207,7 +207,7 @@ def _reports_on(
     """The reports on what was tested or assigned; a fault fails all that the file defines."""
     counted = {*results, *assigned}
     if fault:
-        counted |= submission.defined()
+        counted |= submission.functions_defined()
     reports = []
     for name, exercise in requested.items():
         if name not in counted:

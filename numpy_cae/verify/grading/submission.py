@@ -54,14 +54,14 @@ class Submission:
             return max(shared, key=shared.__getitem__)
         return lesson_of_name(self.path.stem, lessons)
 
-    def defined(self) -> set[str]:
+    def functions_defined(self) -> set[str]:
         """The names of functions in the text, even if the text is not valid Python."""
         return _names_defined(self._text())
 
     def calls(self, name: str) -> bool:
         """Whether the text seems to call a function, besides defining it."""
         calls = re.findall(rf"(?<![.\w]){name}\(", self._text())
-        definitions = 1 if name in self.defined() else 0
+        definitions = 1 if name in self.functions_defined() else 0
         return len(calls) > definitions
 
     def _text(self) -> str:
