@@ -104,39 +104,37 @@ def find_displacements(view: View, sensitivity: float = 0.5) -> list[Finding]:
 def mend_displacements(view: View, findings: list[Finding]) -> Motion:
     """The motion with displacements undone; what is "displaced" is interpolated, and places that
     are others for as short a time as a spike."""
-    motion = view.motion
-    undone = []
+    offsets = []
     interpolated = []
-    brief_places = []
     for finding in findings:
-        if not finding.row.is_offset:
-            interpolated.append(finding)
-        elif finding.row.is_of_translation and _is_brief(finding, view):
-            brief_places.append(finding)
+        is_brief_place = finding.row.is_of_translation and _is_brief(finding, view)
+        if finding.row.is_offset and not is_brief_place:
+            offsets.append(finding)
         else:
-            undone.append(finding)
-    rotations = motion.rotations
-    translations = motion.translations
+            interpolated.append(finding)
+    return interpolate_channels(_undo_offsets(view, offsets), interpolated)
+
+
+def _undo_offsets(view: View, findings: list[Finding]) -> Motion:
+    """The motion without the offsets of findings."""
+    rotations = view.motion.rotations
+    translations = view.motion.translations
+    if any(not finding.row.is_of_translation for finding in findings):
+        rotations = rotations.copy()
+    if any(finding.row.is_of_translation for finding in findings):
+        translations = translations.copy()
     for channel in view.channels:
         kind = _kind_of_offset(channel)
-        for finding in undone:
-            if finding.joint != channel.name or finding.row is not kind:
-                continue
-            values = _undo(channel, finding.stretch)
-            if _leaves_floor(view, channel, finding.stretch, values):
-                values[:, 1] = channel.values[finding.stretch, 1]
-            if channel.is_rotation:
-                if rotations is motion.rotations:
-                    rotations = rotations.copy()
-                rotations[finding.stretch, channel.joint] = values
-                channel = replace(channel, values=rotations[:, channel.joint])
-            else:
-                if translations is motion.translations:
-                    translations = translations.copy()
-                translations[finding.stretch, channel.joint] = values
-                channel = replace(channel, values=translations[:, channel.joint])
-    mended = replace(motion, rotations=rotations, translations=translations)
-    return interpolate_channels(mended, interpolated + brief_places)
+        values = rotations if channel.is_rotation else translations
+        for finding in findings:
+            if finding.joint == channel.name and finding.row is kind:
+                frames = finding.stretch
+                undone = _undo(channel, frames)
+                if _leaves_floor(view, channel, frames, undone):
+                    undone[:, 1] = channel.values[frames, 1]
+                values[frames, channel.joint] = undone
+                channel = replace(channel, values=values[:, channel.joint])
+    return replace(view.motion, rotations=rotations, translations=translations)
 
 
 def _kind_of_offset(channel: Channel) -> Kind:

@@ -1,5 +1,6 @@
 """Damage that the file shows is found and mended; what shows nothing is left alone."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
-from numpy_cae.cleanup import PRESETS, Finding, Preset, repair_motion
+from numpy_cae.cleanup import PRESETS, Finding, Preset, repair_motion, write_findings
 from numpy_cae.cleanup.feet import find_feet, mend_feet
 from numpy_cae.cleanup.finding import check_finding, is_path
 from numpy_cae.cleanup.freezes import find_t_pose
@@ -134,20 +135,44 @@ def test_a_clean_motion_is_left_as_it_is(manifold, walk):
     assert fitting_preset(walk) is None
 
 
-def test_fast_motion_is_no_damage(walk):
-    """The elbow of a runner at 24 frames a second; hips that turn for a kick; animation on twos; a
-    foot of which nothing says which half of its motion is turned."""
+def test_the_elbow_of_a_runner_at_24_frames_a_second_is_no_damage(walk):
     swing = [0, -19, -24, -13, -6, -7, -21, -44, -63, -58, -22, 32, 25, 4, 0]
     degrees = np.r_[np.zeros(100), swing, np.zeros(len(walk) - 115)]
     assert not mend_damage(turned(walk, {"lradius": degrees}, "x"))[1]
+
+
+def test_hips_that_turn_for_a_kick_are_not_displaced(walk):
     kick = np.r_[np.zeros(120), np.linspace(60, 85, 40), np.full(len(walk) - 160, 39.0)]
-    assert "displaced" not in {f.kind for f in mend_damage(turned(walk, {"root": kick}, "y"))[1]}
-    assert not mend_damage(walk.at(np.r_[[0] * 55, 2:300]))[1]  # a pose that is held at the start
-    on_twos = replace(walk.at(np.repeat(np.arange(0, 300, 5), 2)), rate=24.0)
-    for motion in (on_twos, turned(walk, {"lfoot": 178.0}, "x", LATER)):
-        assert mend_damage(motion)[0] is motion and "proposed" in {
-            f.status for f in mend_damage(motion)[1]
-        }
+    _, findings = mend_damage(turned(walk, {"root": kick}, "y"))
+    assert "displaced" not in {finding.kind for finding in findings}
+
+
+def test_a_pose_that_is_held_at_the_start_is_no_damage(walk):
+    assert not mend_damage(walk.at(np.r_[[0] * 55, 2:300]))[1]
+
+
+def on_twos(walk):
+    """An animation in which every pose is held for two frames."""
+    return replace(walk.at(np.repeat(np.arange(0, 300, 5), 2)), rate=24.0)
+
+
+def with_a_turned_foot(walk):
+    """A foot of which nothing says which half of its motion is turned."""
+    return turned(walk, {"lfoot": 178.0}, "x", LATER)
+
+
+@pytest.mark.parametrize("change", [on_twos, with_a_turned_foot])
+def test_what_may_be_on_purpose_is_proposed_and_left(walk, change):
+    motion = change(walk)
+    mended, findings = mend_damage(motion)
+    assert mended is motion and "proposed" in {finding.status for finding in findings}
+
+
+def test_findings_of_poses_that_are_held_can_be_written(walk, tmp_path):
+    _, findings = mend_damage(on_twos(walk))
+    write_findings(tmp_path / "findings.json", findings)
+    entries = json.loads((tmp_path / "findings.json").read_text("utf-8"))
+    assert [Finding.from_json(entry).frames for entry in entries] == [f.frames for f in findings]
 
 
 @pytest.mark.parametrize("rate", [24, 30, 60, 120])
@@ -177,28 +202,55 @@ def test_findings_passed_back_are_mended_and_nothing_else(manifold, walk):
         repair_motion(walk, manifold, findings=[Finding("hips", (3, 300), "spike")])
 
 
-@pytest.mark.parametrize("frames", [1, 30])
-def test_a_t_pose_at_the_start_is_kept_or_cut_and_not_smeared(walk, frames):
+def with_t_pose(walk, frames):
+    """A T-pose in the first frames."""
     rotations, translations = walk.rotations.copy(), walk.translations.copy()
     rotations[:frames, 1:], translations[:frames] = REST, translations[0]
-    damaged = replace(walk, rotations=rotations, translations=translations)
+    return replace(walk, rotations=rotations, translations=translations)
+
+
+T_POSES = pytest.mark.parametrize("frames", [1, 30])
+
+
+@T_POSES
+def test_a_t_pose_at_the_start_is_kept_and_not_smeared(walk, frames):
+    damaged = with_t_pose(walk, frames)
     kept = repair_motion(damaged, None, preset=Preset(smooth=True))
     assert (kept.findings[0].kind, kept.findings[0].frames) == ("T-pose", (0, frames - 1))
-    np.testing.assert_array_equal(kept.motion.rotations[:frames], rotations[:frames])
+    np.testing.assert_array_equal(kept.motion.rotations[:frames], damaged.rotations[:frames])
     assert error(kept.motion, damaged, slice(frames, frames + 10), ALL) < 0.01
+
+
+@T_POSES
+def test_a_t_pose_at_the_start_is_cut_if_a_preset_says_so(walk, frames):
+    damaged = with_t_pose(walk, frames)
     cut = repair_motion(damaged, None, preset=Preset(cut=True))
-    np.testing.assert_array_equal(cut.motion.rotations, rotations[frames:])
-    assert fitting_preset(damaged) == "suit"
-    # A file that was filtered eases out of the pose after the root has turned.
+    np.testing.assert_array_equal(cut.motion.rotations, damaged.rotations[frames:])
+
+
+@T_POSES
+def test_the_preset_of_motion_with_a_t_pose_is_that_of_suits(walk, frames):
+    assert fitting_preset(with_t_pose(walk, frames)) == "suit"
+
+
+@T_POSES
+def test_a_t_pose_from_which_a_filtered_file_eases_out_is_found(walk, frames):
+    """After the root has turned."""
+    damaged = with_t_pose(walk, frames)
     share = np.linspace(0.4, 0.0, 6)[:, None, None]
-    rotations[frames : frames + 6, 1:] += share * (REST - rotations[frames : frames + 6, 1:])
-    eases = turned(replace(damaged, rotations=rotations), {"root": 90.0}, "y", slice(frames))
+    after = damaged.rotations[frames : frames + 6, 1:]
+    after += share * (REST - after)
+    eases = turned(damaged, {"root": 90.0}, "y", slice(frames))
     assert find_t_pose(eases)[0].frames == (0, frames - 1)
-    share = np.array([0.5, 0.25, 0.1, 0.03, 0.0, 0.0])[:, None, None]  # blends over four frames
-    after = walk.rotations[frames : frames + 6, 1:]
-    rotations[frames : frames + 6, 1:] = after + share * (REST - after)
-    blends = find_t_pose(replace(damaged, rotations=rotations))[0]
-    assert frames - 1 <= blends.frames[1] < frames + 6
+
+
+@T_POSES
+def test_a_t_pose_that_blends_into_the_motion_is_found(walk, frames):
+    damaged = with_t_pose(walk, frames)
+    share = np.array([0.5, 0.25, 0.1, 0.03, 0.0, 0.0])[:, None, None]  # over four frames
+    after = damaged.rotations[frames : frames + 6, 1:]
+    after += share * (REST - after)
+    assert frames - 1 <= find_t_pose(damaged)[0].frames[1] < frames + 6
 
 
 @pytest.mark.parametrize("way", [[0.0, -0.08, 0.0], [0.25, 0.0, 0.1]])
