@@ -159,7 +159,7 @@ def find_jitter(view: View, sensitivity: float = 0.5) -> list[Finding]:
     ratio = measure_shaking(view) / SHAKING
     if ratio * 2 * sensitivity <= 1 or view.rate < filters.LEAST_RATE:
         return []
-    evidence = f"joints shake by {SHAKING * ratio:.1f} m/s²; the whole motion is smooth"
+    evidence = f"joints shake by {SHAKING * ratio:.1f} m/s²; the whole motion is smoothed"
     frames = (0, len(view) - 1)
     return [Finding(BODY, frames, JITTER.name, evidence, confidence=confidence(ratio))]
 
