@@ -9,7 +9,7 @@ from numpy_cae.course.exercises.exercise import MAKES, with_hint
 from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.course.mine_file import FILE, NotSavedError, nbgrader_runs, read_mine, run_mine, save
 from numpy_cae.course.stand_in import attempt_of, is_stand_in, stand_in, unsolved
-from numpy_cae.verify.grading import report as grading
+from numpy_cae.verify.grading.report import Report, holds, try_all
 from numpy_cae.verify.operations import operation_catalogue
 
 
@@ -30,7 +30,7 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
     ValueError if there is no such operation or exercise, or no such hint.
     """
     exercise = operation_catalogue.find_exercise(name, CATALOGUE)
-    called = None
+    called = getattr(function, "__name__", name)
     if is_stand_in(function):
         called = name
         function = attempt_of(function)
@@ -38,16 +38,17 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
             print(f"{name} is the package's own now: run the cell with your function again first")
     if nbgrader_runs():
         with redirect_stdout(Printed()), redirect_stderr(Printed()):  # it would give 0 points
-            result = grading.report(exercise, function, called=called)
+            result = Report(exercise, called, try_all(exercise, function))
         print(result)
         return result.points
+    exercise = with_hint(exercise, hint)
     with redirect_stdout(Printed()) as printed:
-        result = grading.report(with_hint(exercise, hint), function, called=called)
+        feedback = Feedback(exercise, called, try_all(exercise, function))
     print(printed, end="")
-    if result.unsolved:
+    if feedback.unsolved:
         later = "a hint is shown after your first attempt" if hint else ""
-        result = replace(result, exercise=replace(result.exercise, hint=later))
-    return Feedback(result.exercise, result.called, result.outcomes)
+        feedback = replace(feedback, exercise=replace(exercise, hint=later))
+    return feedback
 
 
 def solved(name: str, function: Callable) -> Callable:
@@ -59,7 +60,7 @@ def solved(name: str, function: Callable) -> Callable:
     if name not in EXERCISES:
         raise ValueError(f"no exercise is called {name!r}; there are {', '.join(EXERCISES)}")
     with redirect_stdout(Printed()):
-        is_right = not is_stand_in(function) and grading.holds(EXERCISES[name], function)
+        is_right = not is_stand_in(function) and holds(EXERCISES[name], function)
     if not is_right:
         again = "run this cell again when yours is right"
         print(f"{name}: the next cells use the package's own; {again}")

@@ -7,6 +7,7 @@ pairs (w, b) of each layer.
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from functools import partial
 from inspect import signature
 from typing import Any
 
@@ -210,25 +211,11 @@ def gradients_agree(
     others are the gradients of a scalar value. `only` names the arrays, none being all.
     """
 
-    def f(*values):
-        changed = dict(zip(inputs, values, strict=True))
-        value, *results = _call(function, arguments | changed, returns)
-        value = value if np.ndim(value) else np.float64(value)
-
-        def pullback(upstream):
-            if PULLBACK in returns:
-                return results[0](upstream)
-            gradients = [gradient for _, gradient in leaves("", results)]
-            scaled = [None if g is None else upstream * g for g in gradients]
-            return rebuild(results, iter(scaled))
-
-        return value, pullback
-
     values = [arguments[name] for name in inputs]
     names = [name for name, _ in all_leaves(values, inputs)]
     chosen = [name for name in names if not only or KEY.sub(r"\1", name) in only]
     problems = find_wrong_gradients(
-        f,
+        _with_pullback(function, arguments, inputs, returns),
         values,
         inputs,
         case.rng(),
@@ -240,6 +227,30 @@ def gradients_agree(
         first, *more = problems
         also = [f"also: {problem.subject}" for problem in more]
         raise Mismatch(first.kind, first.subject, "\n".join([str(first), *also]))
+
+
+def _with_pullback(
+    function: Callable, arguments: Mapping[str, object], inputs: Names, returns: Names
+) -> Callable:
+    """The function of the inputs alone, which returns its value and a pullback."""
+
+    def f(*values):
+        changed = dict(zip(inputs, values, strict=True))
+        value, *results = _call(function, {**arguments, **changed}, returns)
+        if PULLBACK in returns:
+            pullback = results[0]
+        else:
+            pullback = partial(_scale, results)
+        return value if np.ndim(value) else np.float64(value), pullback
+
+    return f
+
+
+def _scale(gradients: list, upstream: float) -> object:
+    """The gradients of a scalar value, multiplied by the upstream gradient."""
+    parts = [part for _, part in leaves("", gradients)]
+    scaled = [None if part is None else upstream * part for part in parts]
+    return rebuild(gradients, iter(scaled))
 
 
 def upstream_is_one(returns: Names, function, case, **arguments) -> None:
