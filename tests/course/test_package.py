@@ -47,7 +47,14 @@ def test_the_sdist_has_the_lessons_tests_and_docs(built):
     with tarfile.open(built[0]) as packed:
         names = {name.partition("/")[2] for name in packed.getnames()}
     assert {f"lessons/{path.name}" for path in LESSONS} < names
-    assert {"tests/conftest.py", "docs/map.md", "README.md", "LICENSE", "setup.cfg", "setup.py"} < names
+    assert {
+        "tests/conftest.py",
+        "docs/map.md",
+        "README.md",
+        "LICENSE",
+        "setup.cfg",
+        "setup.py",
+    } < names
     assert not [name for name in names if "__pycache__" in name or name.endswith(".npz.tmp")]
 
 
