@@ -18,7 +18,16 @@ from numpy_cae import mocap, training, viz
 from numpy_cae.cleanup import Preset, Repaired, fill_motion, project_motion, repair_motion
 from numpy_cae.cleanup.finding import Finding
 from numpy_cae.cleanup.mask_file import require_movable
-from numpy_cae.inputs import (
+from numpy_cae.manifold import MotionManifold, learn_manifold
+from numpy_cae.mocap import find_motion_files, load_motion
+from numpy_cae.mocap.bodies import Problem, read_body, read_files, split_takes
+from numpy_cae.mocap.file_motion import FileMotion
+from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.mocap.rigs.rigs import Mappings
+from numpy_cae.motion import JOINTS, LENGTH, Motion
+from numpy_cae.motion.joints import joint_mask
+from numpy_cae.notebook import running_shell
+from numpy_cae.public.inputs import (
     AnyFindings,
     FilePath,
     require_rate,
@@ -31,15 +40,6 @@ from numpy_cae.inputs import (
     to_paths,
     to_strings,
 )
-from numpy_cae.manifold import MotionManifold, learn_manifold
-from numpy_cae.mocap import find_motion_files, load_motion
-from numpy_cae.mocap.bodies import Problem, read_body, read_files, split_takes
-from numpy_cae.mocap.file_motion import FileMotion
-from numpy_cae.mocap.rigs.recognise import rig_of
-from numpy_cae.mocap.rigs.rigs import Mappings
-from numpy_cae.motion import JOINTS, LENGTH, Motion
-from numpy_cae.motion.joints import joint_mask
-from numpy_cae.notebook import running_shell
 from numpy_cae.training.schedule import change_schedule
 from numpy_cae.viz.viewer import Player
 
