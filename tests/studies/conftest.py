@@ -34,10 +34,12 @@ def shrink(patch):
             patch.setattr(f"studies.{study}.{constant}", value)
 
 
-@pytest.fixture
-def small(monkeypatch):
-    """Studies with few of everything."""
-    shrink(monkeypatch)
+@pytest.fixture(scope="module")
+def small():
+    """Studies with few of everything; what patches them."""
+    with pytest.MonkeyPatch.context() as patch:
+        shrink(patch)
+        yield patch
 
 
 @pytest.fixture(scope="session")
@@ -46,13 +48,14 @@ def labelled(tmp_path_factory):
     folder = tmp_path_factory.mktemp("labelled")
 
     def takes(seeds):
-        made = []
-        for (kind, style), seed in product([each.split(" ") for each in CONTENTS], seeds):
+        labelled = []
+        for content, seed in product(CONTENTS, seeds):
+            kind, style = content.split(" ")
             motion = make_take(kind, seed, 3.0, 30.0, style or None).motion
             path = folder / f"{kind}_{style}_{seed}.bvh"
             write_bvh(motion, path, unit=0.01)
-            made.append(LabelledTake(path, body_of(motion), "bandai", kind, style))
-        return made
+            labelled.append(LabelledTake(path, body_of(motion), "bandai", kind, style))
+        return labelled
 
     return Material(takes([1, 2]), takes([3]))
 
@@ -74,10 +77,12 @@ def result_of(small_manifold, labelled):
         module = import_module(f"studies.{name}")
         with pytest.MonkeyPatch.context() as patch:
             shrink(patch)
-            given = {"manifold": small_manifold, "material": labelled, "seed": 0, "epochs": 1}
-            result = module.run(**{each: given[each] for each in parameters(module.run)})
-            figures = {n: (p, p.draw()) for n, p in result.figures.items()}
-            drawn = {n: replace(p, draw=lambda f=f: f) for n, (p, f) in figures.items()}
-            return replace(result, figures=drawn)
+            values = {"manifold": small_manifold, "material": labelled, "seed": 0, "epochs": 1}
+            result = module.run(**{name: values[name] for name in parameters(module.run)})
+            pictures = {}
+            for title, picture in result.figures.items():
+                figure = picture.draw()
+                pictures[title] = replace(picture, draw=lambda figure=figure: figure)
+            return replace(result, figures=pictures)
 
     return run

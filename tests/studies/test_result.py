@@ -1,5 +1,6 @@
 """Results as text, as a report, and as pictures."""
 
+import pytest
 from matplotlib.figure import Figure
 
 from studies.shared.result import Claim, Picture, Result, Table, report, text
@@ -16,12 +17,31 @@ RESULT = Result("First & foremost", [TABLE], CLAIMS, FIGURES, NOTE, "How.", MADE
 RESULTS = {"one": RESULT, "two": Result("two", [], note="Could not be run: no press-ups.")}
 
 
-def test_the_report_has_the_text_and_the_names_of_the_pictures():
+def test_the_report_begins_with_the_text_of_the_first_result():
     written = report(RESULTS)
     assert written.startswith("# First & foremost\n") and text(RESULT) in written
+
+
+def test_the_report_names_the_pictures_and_only_pages_that_there_are():
+    written = report(RESULTS)
     assert "![First & foremost: one](one.png)" in written and "moving" not in written
-    assert "Could not be run: no press-ups." in written
-    printed = text(RESULT)
-    assert TABLE.text() in printed and NOTE in printed and "model: m.npz <1>" in printed
-    assert "confirmed if it is better on every measure). Measured: 5 cm." in printed
-    assert "confirmed if less than half of the error remains): takes <of> & more." in printed
+
+
+def test_the_report_says_why_a_study_has_no_tables():
+    assert "Could not be run: no press-ups." in report(RESULTS)
+
+
+@pytest.mark.parametrize("part", [TABLE.text(), NOTE, "model: m.npz <1>"])
+def test_the_text_has_tables_note_and_provenance(part):
+    assert part in text(RESULT)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "confirmed if it is better on every measure). Measured: 5 cm.",
+        "confirmed if less than half of the error remains): takes <of> & more.",
+    ],
+)
+def test_the_text_of_a_claim_has_its_rule_and_its_figures(sentence):
+    assert sentence in text(RESULT)
