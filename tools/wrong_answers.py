@@ -2,13 +2,15 @@
 
     python -m tools.wrong_answers
 
-docs/wrong_answers.md has the table.
+docs/tables/wrong_answers.csv is its output.
 
 A wrong answer is one of `tools.right_answers`, which are not those from which the named mistakes
 are made, with a piece of its text replaced.
 """
 
+import csv
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -22,17 +24,17 @@ SLIPS = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
 the text in its place."""
 
 
-def table_row(name: str, slip: str, function: Callable) -> str:
-    """The row of the table: which property fails first, and what is said of it."""
+def row_of(name: str, slip: str, function: Callable) -> list[str]:
+    """The row of the list: which property fails first, and what is said of it."""
     for tested in EXERCISES[name].properties:
         if failing_case(tested, function) is not None:
             outcome = try_property(tested, function)
-            problem = outcome.problem.splitlines()[0].replace("|", "\\|")
-            return f"| `{name}` | {slip} | {tested.name} | {problem} | {outcome.mistake} |"
-    return f"| `{name}` | {slip} | accepted | | |"
+            return [name, slip, tested.name, outcome.problem.splitlines()[0], outcome.mistake]
+    return [name, slip, "accepted", "", ""]
 
 
 if __name__ == "__main__":
-    print("| exercise | slip | fails first | what it says | likely |\n|---|---|---|---|---|")
+    output = csv.writer(sys.stdout, lineterminator="\n")
+    output.writerow(["exercise", "slip", "fails first", "what it says", "likely"])
     for name, slip, *replacement in SLIPS:
-        print(table_row(name, slip, answer(name, *replacement)), flush=True)
+        output.writerow(row_of(name, slip, answer(name, *replacement)))
