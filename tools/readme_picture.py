@@ -1,6 +1,8 @@
-"""Make the moving picture of README.md: a damaged walk, its repair and the true walk.
+"""Make the moving pictures of README.md: a damaged walk, its repair and the true walk.
 
-    python -m tools.readme_picture docs/repaired_walk.gif
+    python -m tools.readme_picture docs
+
+writes `repaired_walk.gif` for a light page and `repaired_walk_dark.gif` for a dark one.
 
 The walk is synthetic (`data_synth`), so the picture has no licence but that of this repository. The
 left leg is turned by 50 degrees for 1.5 seconds, then the right arm by 70 degrees for as long.
@@ -8,14 +10,15 @@ left leg is turned by 50 degrees for 1.5 seconds, then the right arm by 70 degre
 """
 
 import sys
-from dataclasses import replace
-from itertools import chain
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from PIL import Image
 
 from data_synth import make_take
 from numpy_cae.cleanup import repair_motion
@@ -34,6 +37,38 @@ AZIMUTH = 60.0
 STRETCH = 45
 """Frames of each damage."""
 COLOURS = {"damaged": "#e8833a", "repaired": "#2f6db5", "true walk": "#3f9a4b"}
+PALETTE = 48
+"""Colours of a picture; more make the file larger."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """The page on which a picture is shown.
+
+    Parameters
+    ----------
+    paper, floor : str
+        Colours of the background and of the line of the floor.
+    file : str
+    colours : mapping of str to str
+        The colour of each walk.
+    """
+
+    paper: str
+    floor: str
+    file: str
+    colours: dict[str, str]
+
+
+PAGES = (
+    Page("#ffffff", "#dddddd", "repaired_walk.gif", COLOURS),
+    Page(
+        "#0d1117",
+        "#3a424c",
+        "repaired_walk_dark.gif",
+        {"damaged": "#f0944d", "repaired": "#5f9be0", "true walk": "#5ec26b"},
+    ),
+)
 
 
 def damaged_walk(motion: Motion) -> Motion:
@@ -48,43 +83,51 @@ def damaged_walk(motion: Motion) -> Motion:
     return replace(motion, rotations=rotations)
 
 
-def draw(walks: dict[str, np.ndarray], path: str) -> None:
+def draw(walks: dict[str, np.ndarray], page: Page, path: Path) -> None:
     """Write walks, (F, 20, 3) each, side by side as a GIF; the cameras follow the true walk."""
-    figure = Figure(figsize=(6.6, 2.9), dpi=100)
+    figure = Figure(figsize=(6.6, 2.9), dpi=100, facecolor=page.paper)
+    canvas = FigureCanvasAgg(figure)
     figure.subplots_adjust(0, 0, 1, 1, 0, 0)
     bodies = {}
-    for place, (name, colour) in enumerate(COLOURS.items(), start=1):
+    for place, (name, colour) in enumerate(page.colours.items(), start=1):
         axes = figure.add_subplot(1, 3, place)
         axes.set(xlim=(-0.95, 0.95), ylim=(-0.25, 1.95), aspect="equal")
         axes.axis("off")
         axes.text(0, 1.85, name, ha="center", color=colour, fontsize=11)
-        axes.plot([-0.6, 0.6], [0, 0], color="#dddddd", linewidth=1)
-        shades = [_shade(colour, joint) for joint in JOINTS[1:]]
+        axes.plot([-0.6, 0.6], [0, 0], color=page.floor, linewidth=1)
+        shades = [_shade(colour, joint, page.paper) for joint in JOINTS[1:]]
         lines = LineCollection([], colors=shades, linewidths=4, capstyle="round")
         head = axes.plot([], [], "o", color=colour, markersize=15)[0]
         bodies[name] = axes.add_collection(lines), head
 
-    def show(frame: int) -> list:
+    pictures = []
+    for frame in range(0, len(walks["true walk"]), STEP):
         middle = np.median(walks["true walk"][frame], axis=0)
         follow = middle * [1.0, 0.0, 1.0]  # the point of the floor below it
         for name, (lines, head) in bodies.items():
             view = camera_view(walks[name][frame] - follow, AZIMUTH)
             lines.set_segments(bones(view, PARENTS))
             head.set_data(*(view[JOINTS.index("head")] + [0, 0.06])[:, None])
-        return list(chain.from_iterable(bodies.values()))
+        canvas.draw()
+        pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    first, *others = _with_one_palette(pictures)
+    milliseconds = 10 * round(100 * STEP / RATE)  # GIF counts hundredths of a second
+    first.save(path, save_all=True, append_images=others, duration=milliseconds, loop=0)
 
-    moments = range(0, len(walks["true walk"]), STEP)
-    animation = FuncAnimation(figure, show, frames=moments, init_func=lambda: [])
-    animation.save(path, writer=PillowWriter(fps=round(RATE / STEP)))
+
+def _with_one_palette(pictures: list[Image.Image]) -> list[Image.Image]:
+    """The pictures with the colours of the first, without dithering, so that files are small."""
+    palette = pictures[0].quantize(PALETTE)
+    return [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
 
 
-def _shade(colour: str, joint: str) -> np.ndarray:
-    """The left side is lighter than the right, as in the viewer."""
+def _shade(colour: str, joint: str, paper: str) -> np.ndarray:
+    """The left side is nearer to the paper's colour than the right, as in the viewer."""
     strength = 0.6 if joint.startswith("left") else 1.0
-    return 1 - (1 - np.array(to_rgb(colour))) * strength
+    return strength * np.array(to_rgb(colour)) + (1 - strength) * np.array(to_rgb(paper))
 
 
-def main(path: str) -> None:
+def main(folder: str) -> None:
     """Make the walks and draw them."""
     truth = make_take("walk", seed=7001, seconds=SECONDS, rate=RATE).motion
     damaged = damaged_walk(truth)
@@ -96,7 +139,8 @@ def main(path: str) -> None:
         mean = 100 * error.mean()
         largest = 100 * error.max()
         print(f"{name}: {mean:.1f} cm from the true walk in the mean, {largest:.0f} at most")
-    draw(walks, path)
+    for page in PAGES:
+        draw(walks, page, Path(folder) / page.file)
 
 
 if __name__ == "__main__":
