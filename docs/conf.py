@@ -1,6 +1,6 @@
 """Settings of the documentation site: `pip install '.[docs]'`, then
 
-    python -m sphinx -W -b html docs site
+    python -m sphinx -W -b html -d /tmp/doctrees docs site
 
 The lessons are copied from `lessons/`; the reference of the commands is made from their parsers,
 that of the API from the packages' public names; names in the map become links to them.
@@ -9,6 +9,7 @@ that of the API from the packages' public names; names in the map become links t
 import inspect
 import pkgutil
 import re
+import shutil
 import sys
 from collections.abc import Iterator
 from importlib import import_module
@@ -22,14 +23,15 @@ import numpy_cae
 from numpy_cae import cli
 
 HERE = Path(__file__).parent
+REFERENCE = HERE / "reference"
 sys.path.append(str(HERE.parent))
 from tools.docstring_examples import example_modules, failures  # noqa: E402
 from tools.equations import as_tex, is_equation  # noqa: E402
 from tools.example_repair import write_example  # noqa: E402
 from tools.lesson_pages import write_lessons  # noqa: E402
 
-PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify",
-            "evaluation", "viz", "course", "download")  # fmt: skip
+PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify", "course",
+            "mocap", "cleanup", "viz", "evaluation", "download")  # fmt: skip
 
 project = "numpy_cae"
 author = "the numpy_cae authors"
@@ -46,6 +48,9 @@ exclude_patterns = ["paper.md", "site_files", "made", "lessons/downloads"]
 html_static_path = ["site_files", "pictures", "../lessons/pictures"]
 html_css_files = ["site.css"]
 html_js_files = ["names.js"]
+html_favicon = "site_files/icon.svg"
+html_search_scorer = str(HERE / "site_files" / "scorer.js")
+html_copy_source = False
 html_extra_path = ["made/page"]  # the page that the example's command writes
 html_theme = "pydata_sphinx_theme"
 html_title = "numpy_cae"
@@ -62,6 +67,8 @@ nb_execution_mode = "off"  # the lessons are stored executed
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
+numpydoc_xref_param_type = True
+numpydoc_xref_ignore = "all"  # only the names of this package become links
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 nitpicky = False
@@ -81,35 +88,43 @@ def write_commands() -> None:
         parser = cli.subcommand_parser(name)
         parts.append(f"## {name}\n\n{line}.\n")
         parts.append(f"```text\n{parser.format_help()}```\n")
-    write_if_changed(HERE / "reference" / "commands.md", "\n".join(parts))
+    write_if_changed(REFERENCE / "commands.md", "\n".join(parts))
 
 
 def write_api() -> None:
-    """A page for each package with its docstring and its public names, and an overview with a line
-    for each name."""
-    reference = "# Reference\n\n```{toctree}\n:maxdepth: 2\n\ncommands\napi\n../glossary\n```\n"
-    write_if_changed(HERE / "reference" / "index.md", reference)
-    index = ["# API\n", "[source] beside a name leads to its lines.\n"]
+    """A page for each package with its docstring and a line for each public name, and a page for
+    each name."""
+    write_if_changed(
+        REFERENCE / "index.md", toctree("# Reference", ["commands", "api", "../glossary"])
+    )
+    index = ["# API\n"]
     for package in PACKAGES:
         module = import_module(f"numpy_cae.{package}")
         entries = dict(sorted(public_entries(module)))
-        index += [f"## [{module.__name__}](api_{package}.md)\n", f"{first_line(module)}\n"]
-        index += [
-            "| name | what it is |",
-            "|---|---|",
-            *(f"| {{py:obj}}`{n}` | {t[1]} |" for n, t in entries.items()),
-        ]
-        index.append("")
-        parts = [
-            f"# numpy_cae.{package}\n",
-            "```{eval-rst}",
-            f".. automodule:: {module.__name__}\n",
-        ]
         for name, (kind, _) in entries.items():
-            parts += [f".. {kind}:: {name}", "   :members:" if kind == "autoclass" else ""]
-        write_if_changed(HERE / "reference" / f"api_{package}.md", "\n".join([*parts, "```\n"]))
-    index += ["```{toctree}", ":hidden:\n", *(f"api_{package}" for package in PACKAGES), "```\n"]
-    write_if_changed(HERE / "reference" / "api.md", "\n".join(index))
+            write_if_changed(REFERENCE / f"{name}.md", page_of_name(name, kind))
+        table = ["| name | what it is |", "|---|---|"]
+        for name, (_, line) in entries.items():
+            table.append(f"| {{py:obj}}`{name} <{name}>` | {line} |")
+        index += [f"## [{module.__name__}](api_{package}.md)\n", f"{first_line(module)}\n"]
+        index += [*table, ""]
+        docstring = f"```{{eval-rst}}\n.. automodule:: {module.__name__}\n```\n"
+        parts = [f"# numpy_cae.{package}\n", docstring, *table, "", toctree("", list(entries))]
+        write_if_changed(REFERENCE / f"api_{package}.md", "\n".join(parts))
+    index.append(toctree("", [f"api_{package}" for package in PACKAGES]))
+    write_if_changed(REFERENCE / "api.md", "\n".join(index))
+
+
+def page_of_name(name: str, kind: str) -> str:
+    """The page of a public name; its title is short, so that the list beside it is."""
+    members = "\n   :members:" if kind == "autoclass" else ""
+    title = name.removeprefix("numpy_cae.")
+    return f"# {title}\n\n```{{eval-rst}}\n.. {kind}:: {name}{members}\n```\n"
+
+
+def toctree(title: str, pages: list[str]) -> str:
+    """A hidden table of contents below a title."""
+    return "\n".join([title, "", "```{toctree}", ":hidden:", "", *pages, "```", ""])
 
 
 def public_entries(module) -> Iterator[tuple[str, tuple[str, str]]]:
@@ -206,6 +221,21 @@ def run_examples() -> None:
             raise ValueError(f"an example of {name} does not print what it says")
 
 
+UNUSED_MATHJAX = ("sre", "node-main*", "output/svg*", "*-full*", "*svg*", "*mml-*")
+"""Parts of MathJax for speech, for Node, for SVG and for MathML input, which no page loads."""
+
+
+def remove_unused_mathjax(app, error: Exception | None) -> None:
+    """Keep of MathJax what the pages load."""
+    folder = Path(app.outdir) / "_static" / "mathjax"
+    for pattern in UNUSED_MATHJAX:
+        for path in folder.glob(pattern):
+            if path.is_dir():
+                shutil.rmtree(path)
+            else:
+                path.unlink()
+
+
 def setup(app) -> None:
     """Run the examples, and make the generated pages before Sphinx looks for pages."""
     run_examples()
@@ -214,5 +244,6 @@ def setup(app) -> None:
     write_lessons(HERE.parent / "lessons", HERE / "lessons", write_if_changed)
     write_example(HERE / "made", HERE / "site_files")
     app.connect("source-read", link_names)
+    app.connect("build-finished", remove_unused_mathjax)
     app.connect("html-page-context", without_empty_headings)
     app.connect("autodoc-process-docstring", plain_text_to_rst, priority=400)
