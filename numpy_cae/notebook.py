@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import sys
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from numpy_cae.cleanup import Repaired
     from numpy_cae.motion import Motion
 
 
-def running_shell() -> Any:
-    """The IPython that runs this; None in plain Python, where IPython need not be installed."""
-    ipython = sys.modules.get("IPython")
-    return ipython and ipython.get_ipython()
-
-
 def register() -> None:
-    """Tell the running IPython how to display a Motion and a Repaired, and import neither."""
+    """Tell the running IPython how to display a Motion and a Repaired; do nothing without one."""
+    if "IPython" not in sys.modules:  # nothing is imported in plain Python
+        return
+    from numpy_cae.viz.viewer import running_shell
+
     shell = running_shell()
     if shell:
         html = shell.display_formatter.formatters["text/html"]

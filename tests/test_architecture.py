@@ -17,7 +17,7 @@ PACKAGE = ROOT / "numpy_cae"
 LAYERS = [
     *({"ops"}, {"models"}, {"training"}, {"motion"}, {"fast", "verify"}, {"manifold"}),
     *({"viz", "mocap"}, {"cleanup"}, {"evaluation"}, {"course", "download"}),
-    *({"notebook"}, {"public", "pytest_plugin"}),
+    {"public", "notebook", "pytest_plugin"},
     *({"cli"}, {"__main__"}, {"__init__"}),
 ]
 """A package imports those before it, and itself; modules of the root are below all of them."""

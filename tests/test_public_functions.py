@@ -290,7 +290,7 @@ def test_learning_needs_a_folder(tmp_path):
 
 def test_motions_show_themselves_in_a_notebook(take, monkeypatch):
     shell = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell()
-    monkeypatch.setattr(notebook, "running_shell", lambda: shell)
+    monkeypatch.setattr("numpy_cae.viz.viewer.running_shell", lambda: shell)
     monkeypatch.setattr("numpy_cae.public.running_shell", lambda: shell)
     notebook.register()
     motion = numpy_cae.load(take)

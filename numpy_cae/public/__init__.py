@@ -26,7 +26,6 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.mocap.rigs.rigs import Mappings
 from numpy_cae.motion import JOINTS, LENGTH, Motion
 from numpy_cae.motion.joints import joint_mask
-from numpy_cae.notebook import running_shell
 from numpy_cae.public.inputs import (
     AnyFindings,
     FilePath,
@@ -41,7 +40,7 @@ from numpy_cae.public.inputs import (
     to_strings,
 )
 from numpy_cae.training.schedule import change_schedule
-from numpy_cae.viz.viewer import Player
+from numpy_cae.viz.viewer import Player, running_shell
 
 __all__ = ["fill", "learn", "load", "project", "repair", "save", "show"]
 

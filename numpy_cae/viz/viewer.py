@@ -9,6 +9,7 @@ sign in the lowest bit, in four planes of bytes, compressed by zlib, in base64.
 
 import base64
 import json
+import sys
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,6 +36,12 @@ _STEP = 4e-4
 SCALE = (0.01, 0.5)
 """The colours of distances go, by the logarithm, from the first of these to the second (m);
 a joint below is grey, one beyond has the last colour."""
+
+
+def running_shell() -> Any:
+    """The IPython that runs this; None in plain Python, where IPython need not be installed."""
+    ipython = sys.modules.get("IPython")
+    return ipython and ipython.get_ipython()
 
 
 def save_viewer(
