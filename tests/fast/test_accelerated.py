@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from numpy_cae.fast import accelerate, fast_conv_autoencoder, fast_sequential_autoencoder
+from numpy_cae.fast.thread_team import thread_team
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.training import unit_directions
 
@@ -299,3 +300,16 @@ def test_arguments_are_checked():
         fast.encode(np.zeros((1, 6, 3)))
     with pytest.raises(ValueError, match="y has shape"):
         fast.decode(np.zeros((1, 6, 4)))
+
+
+def test_a_step_uses_the_threads_that_the_caller_states(monkeypatch):
+    sizes = []
+
+    def team_of(size):
+        sizes.append(size)
+        return thread_team(size)
+
+    monkeypatch.setattr(fast_conv_autoencoder, "thread_team", team_of)
+    model, (x, _, corrupted, alpha, first) = drawn_conv()
+    accelerate(model, 3).loss_and_gradients(x, corrupted, alpha, first)
+    assert set(sizes) == {3}

@@ -155,3 +155,9 @@ def loss_of(model, clips, draws):
 def test_arguments_that_do_not_fit_are_errors(call, message):
     with pytest.raises(ValueError, match=message):
         call(SequentialAutoencoder(3, 4, 2, dtype=np.float64))
+
+
+@pytest.mark.parametrize("frames", [1, 4, 9])
+def test_denoised_clips_have_the_frames_that_they_had(frames):
+    x = np.random.default_rng(0).normal(size=(2, frames, 5))
+    assert SequentialAutoencoder(5, 6, 3).denoise(x).shape == x.shape
