@@ -17,7 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation import tables as half
+from numpy_cae.evaluation import tables
 from numpy_cae.evaluation.tables import Clips, Repairs, clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
@@ -25,13 +25,13 @@ from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
 from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Picture, Result, Table, moving
 
-PS = (0.1, 0.3, half.P, 0.8, 0.9)
+PS = (0.1, 0.3, tables.P, 0.8, 0.9)
 DRAWN = {
-    half.DAMAGED: CORRUPTED,
-    half.NETWORK: PROJECTED,
-    half.PCHIP: OTHERS[0],
-    half.GAUSSIAN: OTHERS[1],
-    half.COMPLETED: PLAIN,
+    tables.DAMAGED: CORRUPTED,
+    tables.NETWORK: PROJECTED,
+    tables.PCHIP: OTHERS[0],
+    tables.GAUSSIAN: OTHERS[1],
+    tables.COMPLETED: PLAIN,
 }
 """The methods that are drawn, and their colours."""
 WINDOWS = 60
@@ -51,7 +51,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     header = ["method", *(f"p = {p}" for p in PS)]
     of_half = {}
     for method, of_method in errors.items():
-        of_half[method] = float(of_method[PS.index(half.P)].mean())
+        of_half[method] = float(of_method[PS.index(tables.P)].mean())
     return Result(
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows)],
@@ -86,15 +86,15 @@ def sweep(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[in
 def _claims(at: dict[str, float]) -> list[Claim]:
     """The network, which is given the zeros as they are, beside the best simple method that is
     given as much; and the completion beside the best simple method that is given the mask."""
-    simple = min(half.SIMPLE, key=lambda name: at[name])
-    with_mask = min(half.SIMPLE_WITH_MASK, key=lambda name: at[name])
-    network = at[half.NETWORK]
-    completed = at[half.COMPLETED]
-    figures = f"{at[half.DAMAGED]:.2f} cm before, {network:.2f} cm after;"
+    simple = min(tables.SIMPLE, key=lambda name: at[name])
+    with_mask = min(tables.SIMPLE_WITH_MASK, key=lambda name: at[name])
+    network = at[tables.NETWORK]
+    completed = at[tables.COMPLETED]
+    figures = f"{at[tables.DAMAGED]:.2f} cm before, {network:.2f} cm after;"
     opponent = f"{simple}: {at[simple]:.2f} cm."
     with_mask_figures = f"{with_mask}: {at[with_mask]:.2f} cm."
     return [
-        Claim("half_recovered", network < at[half.DAMAGED] / 2, figures, opponent=opponent),
+        Claim("half_recovered", network < at[tables.DAMAGED] / 2, figures, opponent=opponent),
         Claim("better_than_simple", network < at[simple], figures, opponent=opponent),
         Claim(
             "completed_better",
