@@ -177,10 +177,10 @@ def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
     report = FileReport(Path(os.fsdecode(b"\xe9.py")), faults=["\ud800"])
     files = [HandedIn(report.path, student, (student,)) for student in students]
     reports = [report] * len(students)
-    marks = ClassMarks(files, None, None)
+    marks = ClassMarks(files, table=tmp_path / "marks.csv")
     write_feedback(tmp_path / "feedback", marks.by_student(reports))
     assert len(list((tmp_path / "feedback").glob("*.md"))) == len(students)
-    marks.write_tables(tmp_path / "marks.csv", reports)
+    marks.write_tables(reports)
     text = (tmp_path / "marks.csv").read_text(encoding="utf-8")
     assert len(text.splitlines()) == 2 + len(students) and "caf\\udce9" in text
 
@@ -210,7 +210,7 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     imported = read_roster(tmp_path / "marks_import.csv")
     assert (imported.encoding, imported.delimiter) == (encoding, read_roster(roster).delimiter)
     marks = [(row["Lesson 05"], row["Lesson 07"]) for row in imported.students.values()]
-    assert marks == [("0", "0"), ("0", "0"), ("10", "0")]
+    assert marks == [("0", "0"), ("", ""), ("10", "0")]  # who has no row may be the second
     possible = [row["Lesson 05"] for row in imported.other_rows if "Possible" in row["Student"]]
     assert possible == ["90"] * (system == "canvas")
     failed = rows_of(tmp_path / "marks_statistics.csv")["frames_seen"]

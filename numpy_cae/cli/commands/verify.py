@@ -6,6 +6,7 @@ In a lesson's notebook (.ipynb), test the functions in the exercise cells.
 examples, after `numpy-cae lessons student/`:
   numpy-cae verify student/03_convolution_by_hand.ipynb
   numpy-cae verify student/ --csv marks.csv --feedback feedback/
+  numpy-cae verify download.zip --csv marks.csv --roster grades.csv --feedback feedback.zip
 
 A file that imports numpy_cae gets no points: the operations are to be written by hand.
 NumPy and the standard library may be imported.
@@ -17,11 +18,16 @@ lesson is graded for the functions that it has.
 With --csv, a student is known by the folder submitted/ann/... in the folder that is
 graded, or by the file's name: ann_03.ipynb, 03_ann.ipynb, or as Moodle and Canvas
 name downloads. Zip files are opened. Of an exercise handed in more than once the
-best counts. Where the table exists, its marks of what is not handed in now stay,
-and the old table is kept with a number in its name. With --roster everyone has a
-row; who was matched by what is printed, what is in no row first. marks_import.csv
-is the roster, in the form in which it came, with the points of each lesson. It is
-not written if most submissions or most rows have no match.
+best counts, also of earlier runs: where the table exists, its marks of what is not
+handed in now or was better stay, and the old table is kept with a number in its name.
+The table is written after each file. Beside it, corrections.csv (student, exercise,
+points, reason) has marks that count in place of any other. With --roster everyone has
+a row; who was matched by what is printed, what is in no row first. marks_import.csv
+is the roster, in the form in which it came, with the points of each lesson: in the
+column Grade of Moodle's grading worksheet, in Canvas's column "Lesson 03 (8811)",
+else in a column of its own. A row that a file without a row may belong to stays as it
+is, and the exit status is 1. The import is not written if most submissions or most
+rows have no match.
 
 Each function runs in a process of its own with limits on time, memory, files and
 processes; where bubblewrap (bwrap) is installed and works, also without network
@@ -36,7 +42,7 @@ something fails, 2 if there was nothing to grade.
 import argparse
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -45,6 +51,7 @@ from typing import TYPE_CHECKING
 from numpy_cae.cli.shared import arguments
 
 if TYPE_CHECKING:
+    from numpy_cae.course.marks.class_marks import ClassMarks
     from numpy_cae.verify.grading.student_file import FileReport
 
 Grade = Callable[[], "FileReport"]
@@ -63,15 +70,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--csv", **file, help="table of marks to write, a row for each student, with statistics")
     add("--roster", **file, help="table of the students, from Moodle or Canvas (with --csv)")
     add("--late", **file, help="list of who was late, one a line (default: Canvas's LATE)")
-    add("--feedback", **arguments.FOLDER, help="write each student's reports to this folder")
+    add("--teams", **file, help="list of teams, one a line: every member gets the team's marks")
+    add(
+        "--feedback",
+        type=Path,
+        metavar="FOLDER",
+        help="write each student's reports to this folder, or to a .zip for Moodle or Canvas",
+    )
+    add("--json", **file, help="write student, exercise, points, possible and text for programs")
 
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    if (args.roster or args.late) and not args.csv:
-        raise ValueError("--roster and --late are about the table of --csv FILE")
+    if (args.roster or args.late or args.teams) and not args.csv:
+        raise ValueError("--roster, --late and --teams are about the table of --csv FILE")
     is_class = any(path.is_dir() or path.suffix == ".zip" for path in args.files)
-    if is_class or args.csv or args.feedback:
+    if is_class or args.csv or args.feedback or args.json:
         return _grade_class(args)
     return _grade_files(args)
 
@@ -82,7 +96,7 @@ def _grade_files(args: argparse.Namespace) -> int:
 
     if not any(path.is_file() and path.suffix in SUFFIXES for path in args.files):
         raise ValueError(_nothing_to_grade(args.files))
-    reports = _grade_all([_grader_of(path, args) for path in args.files])
+    reports = list(_grade_each([_grader_of(path, args) for path in args.files]))
     _print_reports(reports)
     return _status(reports)
 
@@ -90,9 +104,7 @@ def _grade_files(args: argparse.Namespace) -> int:
 def _grade_class(args: argparse.Namespace) -> int:
     """Grade the files of a class, write what the options name, and print who has which points."""
     from numpy_cae.course.marks.class_marks import ClassMarks
-    from numpy_cae.course.marks.feedback_files import write_feedback
     from numpy_cae.course.marks.handed_in import HandedIn, find_files
-    from numpy_cae.verify.grading.student_file import FileReport
     from numpy_cae.verify.grading.submission import SUFFIXES
 
     with tempfile.TemporaryDirectory() as unpacked:
@@ -103,23 +115,52 @@ def _grade_class(args: argparse.Namespace) -> int:
             file.fault or (file.path.is_file() and file.path.suffix in SUFFIXES) for file in files
         ):
             raise ValueError(_nothing_to_grade(args.files))
-        marks = ClassMarks(files, args.roster, args.late)
-        graders: list[Grade] = []
-        for file in files:
-            if file.fault:
-                graders.append(partial(FileReport, file.path, faults=[file.fault]))
-            else:
-                graders.append(_grader_of(file.path, args, file.lesson))
-        reports = _grade_all(graders)
+        marks = ClassMarks(files, args.roster, args.late, args.teams, args.csv, args.lesson)
+        reports = _grade_and_write(marks, args)
         if args.csv or args.feedback:
             print("\n".join(marks.lines(reports)))
-        else:
+        elif not args.json:
             _print_reports(reports)
-        if args.feedback:
-            write_feedback(args.feedback, marks.by_student(reports))
-        if args.csv:
-            marks.write_tables(args.csv, reports)
-    return _status(reports)
+        _write_outputs(marks, reports, args)
+    return _status(reports) if marks.is_certain else 1
+
+
+def _grade_and_write(marks: "ClassMarks", args: argparse.Namespace) -> list["FileReport"]:
+    """Grade the files of a class, and write the table of marks after each of them."""
+    from numpy_cae.verify.grading.student_file import FileReport
+
+    graders: list[Grade] = []
+    for file in marks.files:
+        if file.fault:
+            graders.append(partial(FileReport, file.path, faults=[file.fault]))
+        else:
+            graders.append(_grader_of(file.path, args, file.lesson))
+    marks.keep_older_table()
+    reports: list[FileReport] = []
+    for report in _grade_each(graders):
+        reports.append(report)
+        waiting = [None] * (len(graders) - len(reports))
+        if waiting:
+            marks.write_marks([*reports, *waiting])
+    return reports
+
+
+def _write_outputs(
+    marks: "ClassMarks", reports: Sequence["FileReport"], args: argparse.Namespace
+) -> None:
+    """Write the feedback, the results as JSON and the tables, as the options name them."""
+    from numpy_cae.course.marks.feedback_files import write_feedback, write_feedback_zip
+    from numpy_cae.course.marks.results_file import write_results
+
+    if args.feedback and args.feedback.suffix == ".zip":
+        write_feedback_zip(args.feedback, list(zip(marks.files, reports, strict=True)))
+    elif args.feedback:
+        write_feedback(args.feedback, marks.by_student(reports))
+    if args.json:
+        write_results(args.json, marks.by_student(reports))
+    if args.csv:
+        for line in marks.write_tables(reports):
+            print(line)
 
 
 def _nothing_to_grade(paths: Sequence[Path]) -> str:
@@ -139,13 +180,13 @@ def _grader_of(path: Path, args: argparse.Namespace, lesson: str = "") -> Grade:
     return partial(grade, path, catalogue, args.time_limit, int(args.memory_limit), lesson)
 
 
-def _grade_all(graders: Sequence[Grade]) -> list["FileReport"]:
+def _grade_each(graders: Sequence[Grade]) -> Iterator["FileReport"]:
     """Grade files, several at once, since each of them waits for its process."""
     from numpy_cae.cli.shared.output import with_progress
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         reports = pool.map(lambda grade_file: grade_file(), graders)
-        return list(with_progress(reports, len(graders), "file"))
+        yield from with_progress(reports, len(graders), "file")
 
 
 def _print_reports(reports: Sequence["FileReport"]) -> None:

@@ -4,17 +4,28 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from numpy_cae.course.catalogue import ASSIGNMENTS
+from numpy_cae.course.marks.corrections import FILE, Correction, read_corrections
+from numpy_cae.course.marks.gradebook import find_columns, import_notes, write_import
 from numpy_cae.course.marks.handed_in import HandedIn
 from numpy_cae.course.marks.marks_table import (
     NOTHING_HANDED_IN,
     MarksTable,
+    Row,
     best_reports,
+    keep_table,
     make_table,
     read_marks,
 )
-from numpy_cae.course.marks.matching import letters_and_digits, match_students
-from numpy_cae.course.marks.roster import EMPTY_ROSTER, decode, read_roster
+from numpy_cae.course.marks.matching import (
+    Matching,
+    find_row,
+    letters_and_digits,
+    match_students,
+)
+from numpy_cae.course.marks.roster import EMPTY_ROSTER, read_roster, read_text
 from numpy_cae.course.marks.statistics import write_statistics
+from numpy_cae.course.marks.teams import read_teams
 from numpy_cae.verify.grading.student_file import FileReport
 from numpy_cae.visible import csv_cell
 
@@ -22,26 +33,40 @@ from numpy_cae.visible import csv_cell
 class ClassMarks:
     """The files of a class, with the roster and who in it handed them in, if there is one.
 
-    Reads the roster and the list of who was late; a ValueError says what is wrong.
+    Reads the roster, the teams, the list of who was late, and what lies where the table is to be
+    written: the older table and the corrections. A ValueError says what is wrong in any of them.
     """
 
-    def __init__(self, files: Sequence[HandedIn], roster: Path | None, late: Path | None):
+    def __init__(
+        self,
+        files: Sequence[HandedIn],
+        roster: Path | None = None,
+        late: Path | None = None,
+        teams: Path | None = None,
+        table: Path | None = None,
+        lesson: str = "",
+    ):
         self.files = files
-        self.roster = EMPTY_ROSTER
-        self.row_of: dict[str, str] = {}  # the row of the roster by the student of a file
-        self.matching: list[str] = []
-        if roster:
-            self.roster = read_roster(roster)
-            self.row_of, self.matching = match_students(files, self.roster)
+        self.lesson = lesson
+        self.path = table
+        self.roster = read_roster(roster) if roster else EMPTY_ROSTER
+        self.matching = match_students(files, self.roster) if roster else Matching()
+        self.team_of = read_teams(teams, self.roster) if teams else {}
         self.late = self._late_files(late)
+        self.old_marks: dict[str, dict[str, str]] = {}
+        self.corrections: dict[str, list[Correction]] = {}
+        self.without_student: list[Correction] = []
+        if table:
+            self.old_marks = read_marks(table)
+            self._sort_corrections(read_corrections(table.parent))
 
     def student_of(self, file: HandedIn) -> str:
         """The name in the table of marks of who handed a file in."""
-        return self.row_of.get(file.student, file.student)
+        return self.matching.row_of.get(file.student, file.student)
 
     def _late_files(self, late: Path | None) -> set[Path]:
         """The files that Canvas calls late, and those of students in the list of who was late."""
-        lines = decode(late.read_bytes())[0].splitlines() if late else []
+        lines = read_text(late)[0].splitlines() if late else []
         listed = {letters_and_digits(line) for line in lines} - {""}
         files = set()
         for file in self.files:
@@ -50,44 +75,148 @@ class ClassMarks:
                 files.add(file.path)
         return files
 
+    def _sort_corrections(self, corrections: Sequence[Correction]) -> None:
+        """Sort corrections by the student's name in the table."""
+        students = {*self.old_marks, *(self.student_of(file) for file in self.files)}
+        for correction in corrections:
+            student = correction.student
+            if self.roster.students:
+                try:
+                    student = find_row(student, self.roster)
+                except ValueError:
+                    student = ""
+            elif student not in students:
+                student = ""
+            if student:
+                self.corrections.setdefault(student, []).append(correction)
+            else:
+                self.without_student.append(correction)
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether every file has a row, and every correction a student."""
+        return not self.matching.candidates and not self.without_student
+
     def lines(self, reports: Sequence[FileReport]) -> Iterator[str]:
-        """Who was matched by what, and the points of each file."""
-        yield from self.matching
-        for student, files in self.by_student(reports).items():
+        """What a teacher has to look at, who was matched by what, and the points of each file."""
+        for correction in self.without_student:
+            named = f"{correction.student}, {correction.exercise}"
+            yield f"NO STUDENT  {FILE}: {named}: nobody, or several, are called so"
+        yield from self.matching.lines(self.roster.students)
+        by_student = self.by_student(reports)
+        table = self._make_table(by_student)
+        for row in table.rows:
+            for note in row.notes:
+                yield f"NOT AS NOW  {row.student}: {note}"
+        for student, files in by_student.items():
             for file in files:
                 yield f"{student}: {file.path.name}: {file.points} of {file.possible} points"
+                for fault in file.faults:
+                    yield f"{student}: {file.path.name}: {fault}"
 
-    def by_student(self, reports: Sequence[FileReport]) -> dict[str, list[FileReport]]:
-        """The reports on the files of each student, by name; `reports` has one for each file."""
+    def by_student(self, reports: Sequence[FileReport | None]) -> dict[str, list[FileReport]]:
+        """The reports on the files of each student, by name.
+
+        `reports` has one for each file, None for those that are not graded yet. A file of a team
+        is a file of each member.
+        """
         reports_of = defaultdict(list)
         for file, report in zip(self.files, reports, strict=True):
-            reports_of[self.student_of(file)].append(report)
+            if report is None:
+                continue
+            student = self.student_of(file)
+            for member in self.team_of.get(student, [student]):
+                reports_of[member].append(report)
         return dict(sorted(reports_of.items()))
 
-    def write_tables(self, path: Path, reports: Sequence[FileReport]) -> None:
+    def _make_table(self, reports_of: dict[str, list[FileReport]]) -> MarksTable:
+        """The table of marks for the reports of each student."""
+        return make_table(
+            reports_of,
+            self.roster.students,
+            self.late,
+            self.old_marks,
+            self.corrections,
+            self.lesson,
+        )
+
+    def keep_older_table(self) -> None:
+        """Keep the table that will be replaced under a name with a number."""
+        if self.path:
+            keep_table(self.path)
+
+    def write_marks(self, reports: Sequence[FileReport | None]) -> MarksTable | None:
+        """Write the table of marks, also when some files are not graded yet."""
+        if not self.path:
+            return None
+        reports_of = self.by_student(reports)
+        waiting = self._waiting(reports)
+        for student in waiting:
+            reports_of.setdefault(student, [])
+        table = self._make_table(reports_of)
+        for row in table.rows:
+            if row.student in {csv_cell(student) for student in waiting}:
+                row.problems = ["not graded yet"]
+        table.write(self.path)
+        return table
+
+    def _waiting(self, reports: Sequence[FileReport | None]) -> set[str]:
+        """The students with a file that is not graded yet."""
+        students: set[str] = set()
+        for file, report in zip(self.files, reports, strict=True):
+            if report is None:
+                student = self.student_of(file)
+                students.update(self.team_of.get(student, [student]))
+        return students
+
+    def write_tables(self, reports: Sequence[FileReport]) -> list[str]:
         """Write the table of marks, the statistics beside it and, with a roster, the import.
 
-        Where the table exists, exercises that are not handed in now keep their marks, and what is
-        no number, such as "excused", is kept; the old table is kept under a name with a number.
-        Raises a ValueError in place of the import if most submissions or most rows have no match.
+        Exercises that are not handed in now keep their marks of the older table, and what is no
+        number, such as "excused", is kept. Returns what there is to say about the import. Raises a
+        ValueError in place of the import if most submissions or most rows have no match.
         """
-        reports_of = self.by_student(reports)
-        table = make_table(reports_of, self.roster.students, self.late, read_marks(path))
-        table.write(path)
-        best = [best_reports(files) for files in reports_of.values()]
-        write_statistics(path.with_stem(f"{path.stem}_statistics"), best)
-        if self.roster.students:
-            self._write_import(path.with_stem(f"{path.stem}_import"), table)
+        table = self.write_marks(reports)
+        if table is None or not self.path:
+            return []
+        best = [best_reports(files) for files in self.by_student(reports).values()]
+        write_statistics(self.path.with_stem(f"{self.path.stem}_statistics"), best)
+        if not self.roster.students:
+            return []
+        return self._write_import(self.path.with_stem(f"{self.path.stem}_import"), table, reports)
 
-    def _write_import(self, path: Path, table: MarksTable) -> None:
-        """Write the roster with the points of each lesson."""
+    def _write_import(
+        self, path: Path, table: MarksTable, reports: Sequence[FileReport]
+    ) -> list[str]:
+        """Write the roster with the points of each lesson; return notes on its columns."""
         rows = {row.student: row for row in table.rows}
         row_of = {student: rows[csv_cell(student)] for student in self.roster.students}
-        strangers = len({file.student for file in self.files} - self.row_of.keys())
-        empty = sum(row.problems == [NOTHING_HANDED_IN] for row in row_of.values())
-        if strangers > len(self.row_of):
+        strangers = len(self.matching.candidates)
+        empty = 0
+        for student, row in row_of.items():
+            if row.problems == [NOTHING_HANDED_IN] and not self.matching.claimants(student):
+                empty += 1
+        if strangers > len(self.matching.row_of):
             raise ValueError(f"{path} is not written: {strangers} students have no row (above)")
         if 2 * empty > len(row_of):
             raise ValueError(f"{path} is not written: {empty} rows of the roster have no marks")
-        points = {student: table.lesson_points(row) for student, row in row_of.items()}
-        self.roster.write_with(path, points, table.lesson_points(table.maximum()))
+        try:
+            columns = find_columns(self.roster, table.lessons, _lessons_of(table, reports))
+        except ValueError as error:
+            raise ValueError(f"{path} is not written: {error}") from None
+        write_import(path, self.roster, table, row_of, columns, self._uncertain(row_of, reports))
+        return list(import_notes(columns, table))
+
+    def _uncertain(self, row_of: dict[str, Row], reports: Sequence[FileReport]) -> set[str]:
+        """The rows whose missing marks are not 0: a file that is not graded may be theirs."""
+        uncertain = {row for row in row_of if self.matching.claimants(row)}
+        for student, files in self.by_student(reports).items():
+            if any(file.faults and not file.reports for file in files):
+                uncertain.add(student)
+        return uncertain
+
+
+def _lessons_of(table: MarksTable, reports: Sequence[FileReport]) -> list[str]:
+    """The lessons of a table that were handed in now."""
+    graded = {report.operation for file in reports for report in file.reports}
+    return [lesson for lesson in table.lessons if not graded.isdisjoint(ASSIGNMENTS[lesson])]

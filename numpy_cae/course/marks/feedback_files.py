@@ -1,19 +1,23 @@
 """A file of feedback for each student."""
 
+import json
 import os
 import re
 import textwrap
+import zipfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
+from numpy_cae.course.marks.handed_in import HandedIn
 from numpy_cae.verify.grading.student_file import FileReport
 from numpy_cae.visible import visible
 
 LONGEST_NAME = 50
 """A file of feedback has so many characters of the student's name; a character may take four
 bytes, and systems allow 255 in a name."""
+MOODLE_PREFIX = "_assignsubmission_"
 INDENT = " " * 4
 """What makes a block of code in Markdown, whose text does nothing else."""
 
@@ -34,6 +38,40 @@ def write_feedback(folder: Path, reports_of: Mapping[str, Sequence[FileReport]])
         file_name = os.fsdecode(name.encode("utf-8", "surrogateescape"))  # UTF-8 in every locale
         with atomic_write(folder / file_name) as temporary:
             temporary.write_text(visible("\n".join(_lines(files))), encoding="utf-8")
+
+
+def write_feedback_zip(path: Path, marked: Sequence[tuple[HandedIn, FileReport]]) -> None:
+    """Write the feedback on each file of a download into a zip that its system takes back.
+
+    Moodle reads whose feedback a file is from the number in Ann Lee_12_assignsubmission_file_ at
+    the beginning of its name, Canvas from both numbers in leeann_12345_67890_. Canvas shows the
+    file under the name of what was handed in, so that the feedback on a notebook is a notebook.
+    A ValueError says that no file is of a download.
+    """
+    texts: dict[str, str] = {}
+    suffixes: dict[str, str] = {}
+    for file, report in marked:
+        if file.prefix:
+            text = visible("\n".join(_lines([report])))
+            texts[file.prefix] = texts.get(file.prefix, "") + text + "\n"
+            suffixes.setdefault(file.prefix, file.path.suffix)
+    if not texts:
+        raise ValueError(f"{path}: no file has a name that Moodle or Canvas gave; name a folder")
+    with atomic_write(path) as temporary, zipfile.ZipFile(temporary, "w") as packed:
+        for prefix, text in texts.items():
+            is_canvas = MOODLE_PREFIX not in prefix
+            suffix = ".md"
+            if is_canvas and suffixes[prefix] == ".ipynb":
+                suffix = ".ipynb"
+                text = _as_notebook(text)
+            name = f"{prefix}_feedback{suffix}".replace("/", "_")
+            packed.writestr(name.encode("utf-8", "backslashreplace").decode(), text)
+
+
+def _as_notebook(text: str) -> str:
+    """A notebook that has a text in one cell."""
+    cell = {"cell_type": "markdown", "id": "feedback", "metadata": {}, "source": text}
+    return json.dumps({"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
 
 
 def _lines(files: Sequence[FileReport]) -> Iterator[str]:

@@ -10,7 +10,7 @@ import os
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -19,6 +19,11 @@ from numpy_cae.course.copies import lesson_names
 from numpy_cae.verify.grading.submission import COPY, SUFFIXES, lesson_of_name
 
 ZIP = ".zip"
+DOCUMENTS = {".html", ".htm", ".pdf", ".docx", ".odt", ".rar", ".7z", ".tar", ".gz", ".tgz"}
+"""What students hand in in place of a notebook. Of these, one file is named for each student who
+has handed in nothing that can be graded; in a download of Moodle or Canvas, a file of any kind."""
+MINE = "mine.py"
+"""The file of all solved functions, which lies beside the notebooks and belongs to no lesson."""
 MOST_FILES = 2000
 """A zip file may hold so many files."""
 MOST_BYTES = 2**28
@@ -27,8 +32,10 @@ DEEPEST = 2
 """A zip file in a zip file is opened, and none in that."""
 UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
 """Other methods may unpack a small entry at once to more than the memory holds."""
-MOODLE = re.compile(r"(?P<name>.+?)_(?P<number>\d+)_assignsubmission_[a-z]+_?(?P<file>.*)")
-CANVAS = re.compile(r"(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+_(?P<file>.+)")
+MOODLE = re.compile(
+    r"(?P<prefix>(?P<name>.+?)_(?P<number>\d+)_assignsubmission_[a-z]+)_?(?P<file>.*)"
+)
+CANVAS = re.compile(r"(?P<prefix>(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+)_(?P<file>.+)")
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,9 @@ class HandedIn:
         Whether Canvas says so in the file's name.
     fault : str
         Why the file cannot be graded, or "".
+    prefix : str
+        The beginning of the name that Moodle or Canvas gave, by which each of them knows whose
+        feedback a file is; "" for other files.
     """
 
     path: Path
@@ -56,31 +66,56 @@ class HandedIn:
     lesson: str = ""
     is_late: bool = False
     fault: str = ""
+    prefix: str = ""
 
 
 @dataclass(frozen=True)
 class ListedFile:
-    """A file, its place in the folder of the class, and what is wrong with it, or ""."""
+    """A file, its place in the folder of the class, and what is wrong with it, or "".
+
+    `is_document` says that it is of a kind that is never graded, such as a page or a PDF.
+    """
 
     path: Path
     place: PurePosixPath
     fault: str = ""
+    is_document: bool = False
 
 
 def find_files(path: Path, unpacked: Path) -> Iterator[HandedIn]:
     """The files below a path; what is in a zip file is written to the folder `unpacked`."""
     if not path.is_dir() and path.suffix != ZIP:
-        yield hand_in_by_place(path, _as_place(path.name))
+        place = _as_place(path.name)
+        fault = ""
+        if path.exists() and path.suffix not in SUFFIXES:
+            fault = _why_not_graded(place)
+        yield hand_in_by_place(path, place, fault=fault)
         return
     files = list(_files_inside(path, unpacked))
     student = ""
     if any(len(file.place.parts) == 1 and _is_lesson(file.place.stem) for file in files):
         student = _as_place(path.stem).name  # the folder is of one student
+    handed_in = []
+    documents = []
     for file in files:
         fault = file.fault
         if not fault and file.path.is_symlink():
             fault = "it is a link to another file"
-        yield hand_in_by_place(file.path, file.place, student, fault)
+        if file.is_document:
+            documents.append(hand_in_by_place(file.path, file.place, student, fault))
+        else:
+            handed_in.append(hand_in_by_place(file.path, file.place, student, fault))
+    yield from handed_in
+    yield from _only_files(documents, {file.student for file in handed_in})
+
+
+def _only_files(documents: Sequence[HandedIn], with_notebooks: set[str]) -> Iterator[HandedIn]:
+    """Of each student without a file to grade, one of the files that cannot be graded."""
+    students = set(with_notebooks)
+    for document in documents:
+        if document.student not in students:
+            students.add(document.student)
+            yield document
 
 
 def hand_in_by_place(
@@ -107,9 +142,9 @@ def hand_in_by_place(
         name = parts["file"] if label == name else name
         names = (parts["number"], parts["name"])
         student = f"{parts['name']} {parts['number']}"
-        return HandedIn(
-            file, student, names, lesson_of_name(name, ASSIGNMENTS), bool(parts.get("late")), fault
-        )
+        lesson = lesson_of_name(name, ASSIGNMENTS)
+        is_late = bool(parts.get("late"))
+        return HandedIn(file, student, names, lesson, is_late, fault, parts["prefix"])
     if len(place.parts) == 1 and not student:
         if _is_lesson(name):
             student = file.absolute().parent.name
@@ -137,29 +172,50 @@ def _is_lesson(stem: str) -> bool:
 
 
 def _files_inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[ListedFile]:
-    """Each file in a folder or a zip file; hidden folders and every mine.py are left out."""
+    """Each file in a folder or a zip file that is graded or to be named, none in hidden folders."""
     folder = path
+    skipped: list[Path] = []
     if not path.is_dir():
         folder = Path(tempfile.mkdtemp(dir=unpacked))
         try:
-            _unzip(path, folder)
+            skipped = _unzip(path, folder)
         except Exception as error:  # zipfile raises many types, and zlib's own
             fault = f"the zip file is not opened: {error}"
             yield ListedFile(path, _as_place(path.name), fault)
             return
-    for file in sorted(folder.rglob("*")):
+    for file in sorted([*folder.rglob("*"), *skipped]):
         place = _as_place(file.relative_to(folder))
         if any(part.startswith((".", "__")) for part in place.parts):
             continue
         if place.suffix == ZIP and depth < DEEPEST:
             for inner in _files_inside(file, unpacked, depth + 1):
                 yield ListedFile(inner.path, place.with_suffix("") / inner.place, inner.fault)
-        elif place.suffix in SUFFIXES and place.name != "mine.py":
+        elif place.suffix in SUFFIXES and place.name != MINE:
             yield ListedFile(file, place)
+        elif _is_document(place) and not file.is_dir():
+            yield ListedFile(file, place, _why_not_graded(place), is_document=True)
 
 
-def _unzip(path: Path, folder: Path) -> None:
-    """Write the files of a zip file; raise if it is damaged or too large.
+def _is_document(place: PurePosixPath) -> bool:
+    """Whether a file that cannot be graded may be what a student has handed in."""
+    if place.name == MINE or place.suffix.lower() in DOCUMENTS:
+        return True
+    return any(MOODLE.fullmatch(part) or CANVAS.fullmatch(part) for part in place.parts)
+
+
+def _why_not_graded(place: PurePosixPath) -> str:
+    """What to say of a file of a kind that is not graded."""
+    advice = "hand in the notebook of the lesson (.ipynb)"
+    if place.name.endswith(MINE):
+        return f"{place.name} is handed in without a lesson's notebook, and not graded: {advice}"
+    kind = place.suffix or "file without an ending"
+    return f"{place.name} is handed in, and a {kind} cannot be graded: {advice}"
+
+
+def _unzip(path: Path, folder: Path) -> list[Path]:
+    """Write the files of a zip file that are graded; return where the others would be.
+
+    Raises an error if the zip file is damaged or too large.
 
     No entry unpacks to more bytes than it declares, and those that are deflated do so bit by bit.
     """
@@ -176,3 +232,9 @@ def _unzip(path: Path, folder: Path) -> None:
             name = entry.filename.replace("\\", "/").encode("utf-8", "surrogateescape")
             entry.filename = os.fsdecode(name)
             packed.extract(entry, folder)
+    skipped = []
+    for entry in entries:
+        place = PurePosixPath(entry.filename.replace("\\", "/"))
+        if entry not in needed and ".." not in place.parts and not place.is_absolute():
+            skipped.append(folder / os.fsdecode(str(place).encode("utf-8", "surrogateescape")))
+    return skipped

@@ -11,6 +11,7 @@ from pathlib import Path
 from shutil import copyfile
 
 from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
+from numpy_cae.course.marks.corrections import Correction
 from numpy_cae.course.marks.roster import EMPTY_ROSTER, Cells, read_roster
 from numpy_cae.verify.grading.report import Report
 from numpy_cae.verify.grading.student_file import FileReport
@@ -19,6 +20,8 @@ from numpy_cae.visible import csv_cell
 MAXIMUM = "maximum"
 """In the table, the name of the row with the points that are possible."""
 NOTHING_HANDED_IN = "nothing handed in"
+FEWEST = 0.25
+"""A lesson counts if at least this share of the students with marks has a mark of it."""
 
 Mark = int | str
 """The points of an exercise, or the text that stands for them in an older table."""
@@ -37,11 +40,14 @@ class Row:
         word such as "excused", which is not counted.
     problems : list of str
         What is wrong with the student's files, and which lessons are missing.
+    notes : list of str
+        Which marks are not those of the files that are graded now, and why.
     """
 
     student: str
     points: dict[str, Mark]
     problems: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     def lesson_mark(self, lesson: str) -> Mark:
         """The sum of a lesson's points; the word where it has no number; "" without a mark."""
@@ -86,9 +92,7 @@ class MarksTable:
         return Row(MAXIMUM, {name: CATALOGUE[name].points for name in self.exercises})
 
     def write(self, path: Path) -> None:
-        """Write the table; one that exists is kept under a name with a number."""
-        if path.exists():
-            copyfile(path, _free_path(path))
+        """Write the table."""
         maximum = self.maximum()
         possible = maximum.total()
         lines = [self._cells(maximum), *(self._all_cells(row, possible) for row in self.rows)]
@@ -105,13 +109,15 @@ class MarksTable:
         """The cells of a student's row: as above, and what the total is counted of, and why."""
         possible -= sum(CATALOGUE[name].points for name in row.excused())
         percent = round(100 * row.total() / max(1, possible), 1)
-        problems = csv_cell("; ".join(row.problems))
+        problems = csv_cell("; ".join([*row.problems, *row.notes]))
         counted = {"possible": str(possible), "percent": str(percent), "problems": problems}
         return self._cells(row) | counted
 
-    def lesson_points(self, row: Row) -> Cells:
-        """The points of each lesson as an import has them; no mark counts 0 there."""
-        return {f"Lesson {number}": str(row.lesson_mark(number) or 0) for number in self.lessons}
+
+def keep_table(path: Path) -> None:
+    """Copy a table that exists to a name with a number."""
+    if path.exists():
+        copyfile(path, _free_path(path))
 
 
 def _free_path(path: Path) -> Path:
@@ -140,6 +146,8 @@ def make_table(
     roster: Collection[str],
     late: Collection[Path],
     old_marks: Mapping[str, Mapping[str, str]],
+    corrections: Mapping[str, Sequence[Correction]],
+    one_lesson: str = "",
 ) -> MarksTable:
     """The table of a class.
 
@@ -154,20 +162,60 @@ def make_table(
         The files that came late.
     old_marks : dict of str to dict of str to str
         The marks by student and exercise of the table that is replaced. They stay for exercises
-        that are not handed in now, and where they are no number, such as "excused".
+        that are not handed in now, where they are no number, such as "excused", and where they are
+        better than those of now.
+    corrections : dict of str to list of Correction
+        What counts in place of any other mark, by student.
+    one_lesson : str
+        The lesson that every file is graded for, or "".
     """
     reports_of = {csv_cell(student): files for student, files in reports_of.items()}
+    corrections = {csv_cell(student): listed for student, listed in corrections.items()}
     best = {student: best_reports(files) for student, files in reports_of.items()}
-    exercises = _exercises_with_marks([*best.values(), *old_marks.values()])
+    odd = [] if one_lesson else odd_lessons([*_marks_of_students(best, old_marks).values()])
+    uncounted = {name for lesson in odd for name in ASSIGNMENTS[lesson]}
     in_roster = [csv_cell(student) for student in roster]
+    students = dict.fromkeys([*in_roster, *reports_of, *old_marks, *corrections])
+    corrected = [{item.exercise for item in listed} for listed in corrections.values()]
+    named = [*best.values(), *old_marks.values(), *(dict.fromkeys(names) for names in corrected)]
+    exercises = [name for name in _exercises_with_marks(named) if name not in uncounted]
     table = MarksTable(exercises, [])
-    for student in dict.fromkeys([*in_roster, *reports_of, *old_marks]):
-        row = Row(student, _marks(best.get(student, {}), old_marks.get(student, {})))
-        row.problems += _problems(row, reports_of.get(student, ()), late, table.lessons)
+    for student in students:
+        old = old_marks.get(student, {})
+        marks, notes = _marks(best.get(student, {}), old, corrections.get(student, ()))
+        counted = {name: mark for name, mark in marks.items() if name not in uncounted}
+        row = Row(student, counted, notes=notes)
+        files = reports_of.get(student, ())
+        row.problems += _problems(row, files, late, table.lessons, marks.keys() - counted.keys())
         if in_roster and student not in in_roster:
             row.problems.append("not in the roster")
         table.rows.append(row)
     return table
+
+
+def _marks_of_students(
+    best: Mapping[str, Mapping[str, Report]], old_marks: Mapping[str, Mapping[str, str]]
+) -> dict[str, set[str]]:
+    """The exercises that each student has a mark of, now or in the older table."""
+    names: dict[str, set[str]] = {}
+    for student in best.keys() | old_marks.keys():
+        names[student] = {*best.get(student, {}), *old_marks.get(student, {})}
+    return names
+
+
+def odd_lessons(names_of_students: Sequence[set[str]]) -> list[str]:
+    """The lessons of so few students that they were handed in by mistake.
+
+    Only the exercises of lessons that are not odd have columns, so that two files of another lesson
+    change nobody's maximum.
+    """
+    with_marks = [names for names in names_of_students if names]
+    odd = []
+    for lesson, assigned in ASSIGNMENTS.items():
+        count = sum(1 for names in with_marks if not names.isdisjoint(assigned))
+        if 0 < count < FEWEST * len(with_marks):
+            odd.append(lesson)
+    return odd
 
 
 def best_reports(files: Sequence[FileReport]) -> dict[str, Report]:
@@ -191,17 +239,40 @@ def _exercises_with_marks(marks: Sequence[Mapping[str, object]]) -> list[str]:
     return [*exercises, *(name for name in CATALOGUE if name in names and name not in exercises)]
 
 
-def _marks(reports: Mapping[str, Report], old_marks: Mapping[str, str]) -> dict[str, Mark]:
-    """The mark of each exercise: its points, unless the older table has a word in their place."""
+def _marks(
+    reports: Mapping[str, Report],
+    old_marks: Mapping[str, str],
+    corrections: Sequence[Correction],
+) -> tuple[dict[str, Mark], list[str]]:
+    """The mark of each exercise, and notes on those that are not the points of now.
+
+    A correction counts, else the older table's word, else the better number of now and before.
+    """
     marks: dict[str, Mark] = dict(old_marks)
+    notes = []
     for name, report in reports.items():
-        if as_points(marks.get(name, 0)) is not None:
-            marks[name] = report.points
-    return marks
+        before = as_points(marks.get(name, 0))
+        if before is None:
+            continue
+        marks[name] = max(report.points, before)
+        if before > report.points:
+            notes.append(f"{name}: {before} points of an earlier run count, not {report.points}")
+    for correction in corrections:
+        name = correction.exercise
+        replaced = reports[name].points if name in reports else marks.get(name, "no mark")
+        marks[name] = correction.points
+        notes.append(
+            f"{name}: corrected to {correction.points} from {replaced} ({correction.reason})"
+        )
+    return marks, notes
 
 
 def _problems(
-    row: Row, files: Sequence[FileReport], late: Collection[Path], lessons: Sequence[str]
+    row: Row,
+    files: Sequence[FileReport],
+    late: Collection[Path],
+    lessons: Sequence[str],
+    uncounted: Collection[str],
 ) -> Iterator[str]:
     """What is wrong with a student's files, and which of the lessons are missing."""
     if not files and not row.points:
@@ -213,6 +284,8 @@ def _problems(
             yield f"the cell of {name} is there twice"
         if file.reports and not file.points and not file.faults:
             yield f"{file.path.name} has no points"
+        if any(report.operation in uncounted for report in file.reports):
+            yield f"{file.path.name} is not counted: few handed its lesson in"
     for number in lessons:
         if row.lesson_mark(number) == "":
             yield f"lesson {number} missing"

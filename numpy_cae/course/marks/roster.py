@@ -31,7 +31,10 @@ HEADINGS |= {"name", "full name", "login", "e-mail", "email"}
 OF_CANVAS = "SIS Login ID"
 """A column that only Canvas has. There a row without an ID is about no student."""
 POSSIBLE = "Points Possible"
+LARGEST_TABLE = 2**26
+"""A table may have at most so many bytes."""
 BYTE_ORDER_MARKS = {
+    "utf-32": (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE),
     "utf-8-sig": (codecs.BOM_UTF8,),
     "utf-16": (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE),
 }
@@ -73,14 +76,6 @@ class Roster:
             writer.writeheader()
             writer.writerows(rows)
 
-    def write_with(self, path: Path, points: Mapping[str, Cells], possible: Cells) -> None:
-        """Write the rows with the points of each student, and a row with the points possible."""
-        first = self.columns[0]
-        rows = [row | possible if POSSIBLE in row[first] else row for row in self.other_rows]
-        if OF_CANVAS in self.columns and not any(POSSIBLE in row[first] for row in rows):
-            rows.insert(0, dict.fromkeys(self.columns, "") | {first: POSSIBLE} | possible)
-        self.write(path, [*rows, *(row | points[name] for name, row in self.students.items())])
-
 
 EMPTY_ROSTER = Roster((), {}, (), "utf-8", ",")
 """A roster without students, and the form in which tables are written."""
@@ -88,11 +83,11 @@ EMPTY_ROSTER = Roster((), {}, (), "utf-8", ",")
 
 def read_roster(path: Path) -> Roster:
     """Read a table of students; a ValueError says what is wrong with it and in which line."""
-    text, encoding = decode(path.read_bytes())
-    delimiter = _delimiter_of(text)
+    text, encoding = read_text(path)
+    delimiter = _delimiter_of(path, text)
     columns, rows = _read_rows(path, text, delimiter)
-    students = []
-    other_rows = []
+    students: list[Cells] = []
+    other_rows: list[Cells] = []
     for row in rows:
         if OF_CANVAS in columns and not row.get("ID", "-").strip():
             other_rows.append(row)
@@ -107,14 +102,23 @@ def read_roster(path: Path) -> Roster:
     return Roster(columns, by_name, tuple(other_rows), encoding, delimiter)
 
 
-def _delimiter_of(text: str) -> str:
+def read_table(path: Path) -> tuple[tuple[str, ...], list[Cells]]:
+    """The headings of a table and its rows; a ValueError says what is wrong with it."""
+    text, _ = read_text(path)
+    return _read_rows(path, text, _delimiter_of(path, text))
+
+
+def _delimiter_of(path: Path, text: str) -> str:
     """What stands between the cells of the first line: the one that makes most cells."""
     first_line = text.lstrip().partition("\n")[0]
 
     def count_cells(delimiter: str) -> int:
         return len(next(csv.reader([first_line], delimiter=delimiter), ()))
 
-    return max(",;\t", key=count_cells)
+    try:
+        return max(",;\t", key=count_cells)
+    except csv.Error as error:
+        raise ValueError(f"{path}: line 1: {error}: it is no table of students") from None
 
 
 def _read_rows(path: Path, text: str, delimiter: str) -> tuple[tuple[str, ...], list[Cells]]:
@@ -145,10 +149,23 @@ def _name_column(columns: Sequence[str], students: Sequence[Cells]) -> str | Non
     return None
 
 
-def decode(content: bytes) -> tuple[str, str]:
-    """The text of a file, and its encoding."""
-    marked = [name for name, marks in BYTE_ORDER_MARKS.items() if content.startswith(marks)]
-    for encoding in (*marked, "utf-8", "cp1252"):
+def read_text(path: Path) -> tuple[str, str]:
+    """The text of a table or a list, and its encoding; a ValueError says what is wrong with it."""
+    if not path.is_file():
+        problem = "it is no file" if path.exists() else "there is no such file"
+        raise ValueError(f"{path}: {problem}")
+    if path.stat().st_size > LARGEST_TABLE:
+        raise ValueError(f"{path}: it is larger than {LARGEST_TABLE // 2**20} MB")
+    content = path.read_bytes()
+    for encoding, marks in BYTE_ORDER_MARKS.items():
+        if content.startswith(marks):
+            try:
+                return content.decode(encoding), encoding
+            except UnicodeDecodeError as error:
+                name = encoding.removesuffix("-sig").upper()
+                problem = f"it begins as {name}, and byte {error.start} is not: save it as UTF-8"
+                raise ValueError(f"{path}: {problem}") from None
+    for encoding in ("utf-8", "cp1252"):
         with suppress(UnicodeDecodeError):
             return content.decode(encoding), encoding
     return content.decode("latin-1"), "latin-1"
