@@ -103,6 +103,64 @@ def test_what_the_notebook_accepts_the_grader_accepts(change, tmp_path, forked_g
     assert graded.copied == ("frames_seen",) * (change is copied)
 
 
+EXPORT = """#!/usr/bin/env python
+# coding: utf-8
+
+# # Going deep
+
+# In[ ]:
+
+
+get_ipython().run_line_magic('matplotlib', 'inline')
+from numpy_cae import course
+course.load_mine()
+
+
+# In[2]:
+
+
+get_ipython().run_cell_magic('time', '', {cell!r})
+
+
+# In[3]:
+
+
+course.report("frames_seen", frames_seen)
+"""
+
+
+def test_a_script_that_jupyter_has_made_is_graded(tmp_path, forked_grading):
+    path = tmp_path / "07_going_deep.py"
+    path.write_text(EXPORT.format(cell=FRAMES_SEEN))
+    graded = grade(path, catalogue)
+    assert (graded.points, graded.possible, graded.faults) == (10, 60, [])
+
+
+def test_a_script_of_vs_code_is_graded(tmp_path, forked_grading):
+    path = tmp_path / "work.py"
+    cells = ["", "import numpy_cae", FRAMES_SEEN, 'course.report("frames_seen", frames_seen)']
+    path.write_text("\n# %%\n".join(cells))
+    graded = grade(path, catalogue)
+    assert (graded.points, graded.possible, graded.faults) == (10, 60, [])
+
+
+ROTATES_BY_SCIPY = """
+def turn_about_y(vectors, angles):
+    from scipy.spatial.transform import Rotation
+
+    turned = np.empty(np.shape(vectors))
+    for frame, angle in enumerate(angles):
+        turned[frame] = Rotation.from_rotvec([0.0, angle, 0.0]).apply(vectors[frame])
+    return turned
+"""
+
+
+def test_a_right_answer_that_asks_for_writable_arrays_passes(tmp_path, forked_grading):
+    path = hand_in(tmp_path / "02_a.ipynb", ROTATES_BY_SCIPY)
+    (report,) = [r for r in grade(path, catalogue).reports if r.operation == "turn_about_y"]
+    assert report.held, str(report)
+
+
 @pytest.mark.parametrize("path", find_lessons(LESSON_FILES), ids=lambda path: path.stem)
 def test_every_operation_that_a_lesson_imports_is_given(path):
     imported = {

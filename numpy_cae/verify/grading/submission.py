@@ -1,5 +1,6 @@
 """What a student hands in: a Python file, or a lesson's notebook with its exercise cells."""
 
+import ast
 import json
 import re
 import sys
@@ -22,7 +23,12 @@ LARGEST_PROGRAM = 2**20
 """A Python file may have at most so many bytes."""
 LARGEST_NOTEBOOK = 2**25
 """A notebook, with its pictures, may have at most so many bytes."""
-MAGIC = re.compile(r"^[%!].*$", re.MULTILINE)
+MAGIC = re.compile(r"^[%!].*$|^get_ipython\(\)\..*$", re.MULTILINE)
+"""Jupyter's own commands, in a notebook and in a script that Jupyter has made of it."""
+CELL_MAGIC = re.compile(r"^get_ipython\(\)\.run_cell_magic\(.*\)$", re.MULTILINE)
+"""A cell below a command such as %%time, in a script that Jupyter has made."""
+EXPORTED_CELL = re.compile(r"^# (?:In ?\[[ \d]*\]:|%%.*)$", re.MULTILINE)
+"""What stands above each cell in a script that Jupyter or VS Code has made of a notebook."""
 CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
 STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
 Functions = Mapping[str, Callable]
@@ -34,7 +40,8 @@ class Submission:
     """A student's file. `cells` are the parts that are run: the file, or the exercise cells.
 
     A cell is (name, text). `ids` are the names of all exercises in a notebook, `copied` those whose
-    cell is there more than once; `fault` says why a file cannot be read.
+    cell is there more than once; `fault` says why a file cannot be read. `is_export` is true for a
+    script that was made of a notebook, which is read like the notebook.
     """
 
     path: Path
@@ -42,10 +49,11 @@ class Submission:
     ids: frozenset[str] = frozenset()
     copied: tuple[str, ...] = ()
     fault: str = ""
+    is_export: bool = False
 
     @property
     def is_notebook(self) -> bool:
-        return self.path.suffix == ".ipynb"
+        return self.is_export or self.path.suffix == ".ipynb"
 
     def lesson(self, lessons: Mapping[str, Collection[str]]) -> str:
         """The number of the lesson that the file belongs to, by its cells or its name, or ""."""
@@ -138,7 +146,30 @@ def _read(path: Path) -> Submission:
         raise ValueError(f"it is larger than {largest // 2**20} MB")
     if is_notebook:
         return _read_notebook(path, content)
-    return Submission(path, ((str(path), content),))
+    return _read_export(path, content) or Submission(path, ((str(path), content),))
+
+
+def _read_export(path: Path, content: bytes) -> Submission | None:
+    """The exercise cells of a script that Jupyter has made of a lesson; None for other files."""
+    text = content.decode("utf-8-sig", "replace").replace("\r\n", "\n")
+    parts = EXPORTED_CELL.split(text)
+    if len(parts) == 1 or not CHECK.search(text):
+        return None
+    cells = []
+    for part in parts[1:]:
+        source = CELL_MAGIC.sub(_cell_below_magic, part)
+        cells.append({"cell_type": "code", "metadata": {}, "source": source})
+    ids = _names_of_exercises(cells)
+    return Submission(path, tuple(_answers(cells, ids)), frozenset(ids), is_export=True)
+
+
+def _cell_below_magic(call: re.Match[str]) -> str:
+    """The text of a cell that is an argument of run_cell_magic; the call itself if it is none."""
+    try:
+        arguments = ast.parse(call[0]).body[0].value.args  # type: ignore[attr-defined]
+        return str(ast.literal_eval(arguments[2]))
+    except (SyntaxError, ValueError, AttributeError, IndexError):
+        return call[0]
 
 
 def _read_notebook(path: Path, content: bytes) -> Submission:
