@@ -30,9 +30,10 @@ from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
 from numpy_cae.motion.filters import filter_motion, filter_strongly
 from numpy_cae.motion.hole_curves import ROTATION_CURVES, Curve
 from numpy_cae.motion.joints import LIMBS, joint_mask
+from studies.shared.charts import draw_damage_and_repair, draw_ratios_by_length
 from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
 from studies.shared.material import LabelledTake, Material, evenly
-from studies.shared.result import Claim, Result, Table
+from studies.shared.result import Claim, Picture, Result, Table
 
 TAKES = 10
 """Of each source at most so many takes are damaged."""
@@ -107,6 +108,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     }
     tables = list[Table]()
     claims = list[Claim]()
+    figures = dict[str, Picture]()
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
         trial = _Trial(manifold, fillings, seed)
@@ -116,15 +118,31 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         for number, take in enumerate(evenly(testing, HOLE_TAKES)):
             trial.add_holes(material.motion(take), number)
         trial.add_ratios()
-        tables += trial.tables(f"{source}, {len(takes)} takes")
+        tables_of_source = trial.tables(f"{source}, {len(takes)} takes")
+        tables += tables_of_source
+        figures |= _charts(tables_of_source, source)
         claims += _of_holes(trial.values[RATIO], source)
     learned = manifold.settings.get("takes")
     return Result(
         "Repair: damage in the file's own rig",
         tables,
         claims,
+        figures,
         note=f"The network learned from {learned} takes. The Gaussian is fitted to training takes.",
     )
+
+
+def _charts(tables: Sequence[Table], source: str) -> dict[str, Picture]:
+    """The charts of kinds of damage and of holes."""
+    by_caption = dict(zip(TABLES, tables, strict=True))
+    errors = by_caption[ERROR]
+    ratios = by_caption[RATIO]
+    return {
+        f"damage_{source}": Picture(
+            partial(draw_damage_and_repair, errors, DAMAGED, UNKNOWN, GIVEN)
+        ),
+        f"holes_{source}": Picture(partial(draw_ratios_by_length, ratios)),
+    }
 
 
 class _Trial:

@@ -14,6 +14,7 @@ tested on, which favours PCA; the linear map is fitted for each p.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +25,9 @@ from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.bodies import read_body
 from numpy_cae.training import recipe
 from studies.repair_sweep import WINDOWS, Errors, sweep
+from studies.shared.charts import draw_errors_by_share
 from studies.shared.material import read_takes
-from studies.shared.result import Claim, Result, Table
+from studies.shared.result import Claim, Picture, Result, Table
 
 PS = (0.5, 0.8, 0.9)
 SEEDS = 3
@@ -53,7 +55,8 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
         earlier = [take for number, take in enumerate(takes_of_source) if number % FIFTH]
         later = _errors(earlier, takes_of_source[::FIFTH], seed)
         tables.append(_table(f"{name}, later takes of the same source", later))
-    return Result("A source that was not in training", tables, claims)
+    chart = Picture(partial(draw_errors_by_share, tables))
+    return Result("A source that was not in training", tables, claims, {"sources": chart})
 
 
 def _takes_of(folder: str | Path) -> list[np.ndarray]:

@@ -13,6 +13,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from timeit import repeat
 
 import numpy as np
@@ -20,9 +21,10 @@ import numpy as np
 from numpy_cae.fast import accelerate
 from numpy_cae.fast.thread_team import blas_threads
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
+from studies.shared.charts import draw_speed
 from studies.shared.material import Material
 from studies.shared.messages import note
-from studies.shared.result import Result, Table
+from studies.shared.result import Picture, Result, Table
 from studies.timing import torch_networks as nets
 from studies.timing.time_to_quality import sequences_to_quality, time_to_quality
 
@@ -58,7 +60,12 @@ def run(
     ]
     if material is not None:
         tables += [time_to_quality(material), sequences_to_quality()]
-    return Result("Times beside PyTorch", tables, note=warning, provenance=_provenance())
+    figures = {}
+    if nets.torch is not None:
+        figures["speed"] = Picture(partial(draw_speed, tables[:2]))
+    return Result(
+        "Times beside PyTorch", tables, figures=figures, note=warning, provenance=_provenance()
+    )
 
 
 def _warning_of_load() -> str:

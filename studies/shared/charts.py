@@ -83,7 +83,8 @@ def draw_damage_and_repair(table: Table, damaged: str, unknown: str, given: str)
     """A line for each kind of damage: the error as damaged, repaired, and with the mask given."""
     rows = {str(row[0]): row[1:] for row in table.rows}
     kinds = table.header[1:]
-    order = sorted(range(len(kinds)), key=lambda column: number_in(rows[damaged][column]))
+    measured = [column for column in range(len(kinds)) if rows[damaged][column] is not None]
+    order = sorted(measured, key=lambda column: number_in(rows[damaged][column]))
     figure = _figure(6.4, 0.34 * len(kinds) + 1.1)
     axes = figure.subplots()
     for place, column in enumerate(order):
@@ -95,7 +96,7 @@ def draw_damage_and_repair(table: Table, damaged: str, unknown: str, given: str)
         if rows[given][column] is not None:
             best = number_in(rows[given][column])
             axes.plot(best, place, "|", color=GREEN, markersize=12, label="repaired, mask given")
-    axes.set_yticks(range(len(kinds)), [kinds[column] for column in order])
+    axes.set_yticks(range(len(order)), [kinds[column] for column in order])
     axes.set_xlabel("mean error of the damaged joints, cm")
     axes.set_xlim(left=0)
     _finish(figure, [axes])
