@@ -2,6 +2,7 @@
 
     python -m tools.features              (needs the extra `browser`, and Chromium)
     python -m tools.features Compare      only these commands, by their headings
+    python -m tools.features --check      write nothing, and name the pictures that have aged
 
 A picture shows a page at one frame, a picture that the command itself wrote, or what it printed.
 """
@@ -11,12 +12,13 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
@@ -29,6 +31,8 @@ DOCS = Path(__file__).parents[1] / "docs"
 WIDTH = 1000
 HEIGHT = 720
 COLOURS = 128
+MOST_DIFFERENCE = 3.0
+"""A picture has aged if its grey values, of 255, differ by more than this in the mean."""
 FRAME = 50
 """The frame that is shown of a page that plays motions; of a page with findings it is the
 middle of the chosen one."""
@@ -94,8 +98,11 @@ def write_small(picture: bytes, path: Path) -> None:
         small.quantize(COLOURS).save(temporary, "PNG", optimize=True)
 
 
-def write_pictures(folder: Path, chosen: list[str], picture: Callable[[Path, str], bytes]) -> None:
-    """Run the chosen commands of the page, by default all, and write their pictures."""
+def take_pictures(
+    folder: Path, chosen: Sequence[str], picture: Callable[[Path, str], bytes]
+) -> Iterator[tuple[str, bytes]]:
+    """Run the chosen commands of the page, by default all: the name of each picture, and the
+    picture."""
     for feature in FEATURE.finditer((DOCS / "features.md").read_text(encoding="utf-8")):
         if chosen and feature["heading"] not in chosen:
             continue
@@ -104,14 +111,38 @@ def write_pictures(folder: Path, chosen: list[str], picture: Callable[[Path, str
         done = subprocess.run(words, shell=True, cwd=folder, capture_output=True, text=True)
         print(f"{command}: {done.returncode} {done.stderr[-200:]}", flush=True)
         file = folder / (feature["file"] or "")
-        write_small(picture(file, f"{command}\n{done.stdout}"), DOCS / feature["picture"])
+        yield feature["picture"], picture(file, f"{command}\n{done.stdout}")
 
 
-if __name__ == "__main__":
+def has_aged(picture: bytes, path: Path) -> bool:
+    """Whether a picture differs from the one that is stored."""
+    with Image.open(io.BytesIO(picture)) as full, Image.open(path) as stored:
+        size = (WIDTH // 4, HEIGHT // 4)
+        new, old = (np.asarray(image.convert("L").resize(size), float) for image in (full, stored))
+    return bool(np.abs(new - old).mean() > MOST_DIFFERENCE)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the pictures; with --check, name those that differ from what is stored."""
+    is_check = "--check" in arguments
+    chosen = [argument for argument in arguments if argument != "--check"]
+    aged = []
     with TemporaryDirectory() as temporary, sync_playwright() as playwright:
-        write_motions(Path(temporary))
+        folder = Path(temporary)
+        write_motions(folder)
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox"]
         )
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        write_pictures(Path(temporary), sys.argv[1:], partial(picture_of, page))
+        for name, picture in take_pictures(folder, chosen, partial(picture_of, page)):
+            if not is_check:
+                write_small(picture, DOCS / name)
+            elif has_aged(picture, DOCS / name):
+                aged.append(name)
+    for name in aged:
+        print(f"docs/{name} has aged; `python -m tools.features` takes it again")
+    return 1 if aged else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
