@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import numpy_cae
+from numpy_cae.cleanup.kinds import KINDS
 from numpy_cae.mocap import t_pose
 
 ROOT = Path(__file__).parents[1]
@@ -126,6 +127,12 @@ def test_the_page_about_the_t_pose_has_the_thresholds_of_the_code():
     assert f"within {t_pose.ARM_DEGREES:.0f}°" in page
     assert f"at most {t_pose.LONGEST_SECONDS:.0f} s" in page
     assert f"over {t_pose.BLEND_SECONDS} s" in page
+
+
+def test_the_guide_to_repair_has_every_kind_of_damage():
+    table = read("docs/repair.md").split("## What it finds")[1].split("\n\n")[1]
+    words = [word for row in table.splitlines() for word in re.findall(r"`([^`]+)`", row[:45])]
+    assert sorted(words) == sorted(KINDS)
 
 
 def test_the_comparison_counts_the_questions_of_the_quiz():
