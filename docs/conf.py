@@ -17,6 +17,7 @@ from itertools import groupby
 from pathlib import Path
 from types import ModuleType
 
+from numpydoc.xref import DEFAULT_LINKS
 from sphinx.pycode import ModuleAnalyzer
 
 import numpy_cae
@@ -56,11 +57,12 @@ html_theme = "pydata_sphinx_theme"
 html_title = "numpy_cae"
 html_context = {"default_mode": "auto"}
 html_theme_options = {
+    "header_links_before_dropdown": 7,
     "navbar_end": ["theme-switcher"],
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-html_sidebars = {"index": []}
+html_sidebars = {"index": [], "install": [], "results": []}  # they have no pages below them
 html_show_sourcelink = False
 copyright = "the numpy_cae authors. Free to use, change and share under the MIT licence"
 nb_execution_mode = "off"  # the lessons are stored executed
@@ -236,8 +238,21 @@ def remove_unused_mathjax(app, error: Exception | None) -> None:
                 path.unlink()
 
 
+def linked_types() -> dict[str, str]:
+    """A word in the types of a docstring to the name that it links to: the public classes of this
+    package. Words that numpydoc would link to Python's and NumPy's sites stand for themselves."""
+    links = {word: word for word in DEFAULT_LINKS}
+    for package in PACKAGES:
+        module = import_module(f"numpy_cae.{package}")
+        for name, (kind, _) in public_entries(module):
+            if kind == "autoclass":
+                links[name.rpartition(".")[2]] = name
+    return links
+
+
 def setup(app) -> None:
     """Run the examples, and make the generated pages before Sphinx looks for pages."""
+    app.config.numpydoc_xref_aliases = linked_types()
     run_examples()
     write_commands()
     write_api()

@@ -1,17 +1,16 @@
-// Weights of the search: guides first, then commands and functions, lessons and the lab book last.
+// Weights of the search: guides first, then functions and commands, lessons and the lab book last.
 const WEIGHTS = [
-  [/^(install|repair|from_your_program|verify|course|reproduce_the_paper|features|own_operation)$/, 4],
-  [/^(index|results|map|glossary|starter_model)$/, 2],
-  [/^reference\/commands$/, 2],
+  [/^(install|repair|from_your_program|verify|course|reproduce_the_paper|own_operation)$/, 3],
+  [/^reference\/numpy_cae\./, 2],
+  [/^reference\/commands$/, 1.5],
   [/^lessons\//, 0.5],
-  [/^lab_book\//, 0.25],
-  [/^evidence$/, 0.25],
+  [/^(evidence|maintaining|lab_book\/.*)$/, 0.25],
 ];
 
 var Scorer = {
   score: ([docName, title, anchor, descr, score]) => {
-    const found = WEIGHTS.find(([pattern]) => pattern.test(docName));
-    return score * (found ? found[1] : 1);
+    const weight = WEIGHTS.find(([pattern]) => pattern.test(docName));
+    return score * (weight ? weight[1] : 1);
   },
   objNameMatch: 11,
   objPartialMatch: 6,
