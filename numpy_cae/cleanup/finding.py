@@ -4,11 +4,12 @@ A file of findings is a JSON list with an object for each finding:
 
     {"joint": "left_wrist", "frames": [30, 32], "kind": "spike",
      "evidence": "rotates by 62° and back in 3 frames", "cm": 41.3, "confidence": 0.95,
-     "status": "repaired"}
+     "status": "repaired", "mover": "left_wrist"}
 
-"status" is one of `STATUSES`: passed back, only findings that are "repaired" are mended, and those
-with "accept": true. A user may remove objects, change their joints and frames, and add others;
-`joint` and `frames` are enough.
+The first object is number 1 on the page, in the terminal and for `--only`. "status" is one of
+`STATUSES`: passed back, only findings that are "repaired" are mended, and those with "accept":
+true. A user may remove objects, change their joints and frames, and add others; `joint` and
+`frames` are enough.
 """
 
 import json
@@ -26,9 +27,12 @@ from numpy_cae.motion.masks import runs
 
 LEFT_REASON = "feet would slide more or joints would jump more"
 """Why a finding was not mended although it is certain."""
-STATUSES = ("repaired", "proposed", "left")
+KEPT_REASON = "nothing is wrong there"
+"""Why a finding changes nothing although it is certain."""
+STATUSES = ("repaired", "proposed", "left", "kept")
 """What became of a finding: it was mended; it is not certain enough and was not mended; it was not
-mended since mending made the motion worse (`LEFT_REASON`)."""
+mended since mending made the motion worse (`LEFT_REASON`); it is right, such as a T-pose at the
+start, or mending it moved no joint, so that the motion stayed as it was (`KEPT_REASON`)."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,8 @@ class Finding:
         0 to 1. The repair changes what has at least 1 - `sensitivity`; the rest is proposed.
     status : str
         One of `STATUSES`.
+    mover : str
+        The joint that `cm` is about; "" where nothing was moved.
 
     Raises
     ------
@@ -75,6 +81,7 @@ class Finding:
     cm: float = 0.0
     confidence: float = 1.0
     status: str = "repaired"
+    mover: str = ""
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -95,9 +102,18 @@ class Finding:
         if self.status == "left":
             reasons.append(f"left alone, since {LEFT_REASON}")
         reason = f" ({'; '.join(reasons)})" if reasons else ""
-        moved = f"{self.cm:.1f} cm, " if self.cm else ""
-        damage = f"{self.kind}{reason}"
-        return f"{self.joint}: {frames}: {damage}: {moved}confidence {self.confidence:.2f}"
+        moved = self.movement_in_words()
+        separator = ", " if moved else ""
+        certainty = f"{moved}{separator}confidence {self.confidence:.2f}"
+        return f"{self.joint}: {frames}: {self.kind}{reason}: {certainty}"
+
+    def movement_in_words(self) -> str:
+        """How far the repair moves which joint, such as "left_wrist 86.9 cm": without the name
+        where the joint is that of the finding; "" where nothing was moved."""
+        if not self.cm:
+            return ""
+        name = "" if self.mover in ("", self.joint) else f"{self.mover} "
+        return f"{name}{self.cm:.1f} cm"
 
     @property
     def row(self) -> Kind:
@@ -127,7 +143,7 @@ class Finding:
         Raises ValueError if `joint` or `frames` is missing, or a value has another type.
         """
         defaults = {"kind": MARKED.name, "evidence": "", "cm": 0.0, "confidence": 1.0}
-        match defaults | {"status": "repaired", "accept": False} | entry:
+        match defaults | {"status": "repaired", "mover": "", "accept": False} | entry:
             case {
                 "joint": str(),
                 "frames": [int() as first, int() as last],
@@ -136,6 +152,7 @@ class Finding:
                 "cm": int() | float(),
                 "confidence": int() | float(),
                 "status": str() as status,
+                "mover": str(),
                 "accept": bool() as accept,
                 **unexpected,
             } if not unexpected:

@@ -1,14 +1,15 @@
 """What a repair changed: the motion, the joints that moved and how far, the findings."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from numpy_cae.cleanup.channels import LEAST_LEVER_METRES
+from numpy_cae.cleanup.events import Event, group_findings
 from numpy_cae.cleanup.finding import Finding, is_path
 from numpy_cae.cleanup.interpolation import mark_missing_joints
-from numpy_cae.cleanup.kinds import JITTER, MARKED
+from numpy_cae.cleanup.kinds import JITTER, MARKED, T_POSE
 from numpy_cae.cleanup.words import (
     NOTHING_FOUND,
     count,
@@ -45,7 +46,7 @@ class Repaired:
     findings : tuple of Finding
         What was found to be damaged, and mended, in the frames of the file.
     proposed : tuple of Finding
-        What is less certain, and was not changed.
+        What was not changed: it is less certain, was left alone, or is right (`Finding.status`).
     original : Motion, optional
         The motion before the repair.
 
@@ -78,11 +79,12 @@ class Repaired:
             lines.append(f"{joints_in_words(joints)}: {frames}: {change}")
         if any(finding.row is not MARKED for finding in self.findings):
             lines.append(f"{count(len(self.findings), 'finding')}:")
-            numbered = enumerate(by_size(self.findings), start=1)
+            numbered = enumerate(self.listed()[: len(self.findings)], start=1)
             lines += first_lines([f"  {number}. {finding}" for number, finding in numbered])
         if self.proposed:
             lines.append(f"{count(len(self.proposed), 'proposal')}, not changed:")
-            lines += first_lines([f"  {finding}" for finding in by_size(self.proposed)])
+            numbered = enumerate(self.listed()[len(self.findings) :], start=1 + len(self.findings))
+            lines += first_lines([f"  {number}. {finding}" for number, finding in numbered])
         if not self.is_familiar:
             lines.append(
                 f"unlike what the model knows: joints are typically {100 * self.residual:.1f} cm "
@@ -91,20 +93,29 @@ class Repaired:
         return "\n".join(lines) or NOTHING_FOUND
 
     def without_first(self, frames: int) -> "Repaired":
-        """The repair without its first frames; findings are in the frames of the file."""
+        """The repair without its first frames, which are a pose of reference; findings are in the
+        frames of the file."""
         rest = slice(frames, None)
-        motion = self.motion.at(rest)
-        return replace(self, motion=motion, touched=self.touched[rest], moved=self.moved[rest])
+        cut = [finding for finding in self.proposed if frames and finding.row is T_POSE]
+        return replace(
+            self,
+            motion=self.motion.at(rest),
+            touched=self.touched[rest],
+            moved=self.moved[rest],
+            findings=(*[replace(finding, status="repaired") for finding in cut], *self.findings),
+            proposed=tuple(finding for finding in self.proposed if finding not in cut),
+        )
+
+    def events(self) -> list[Event]:
+        """The events, the largest first; then those of what was not changed."""
+        return group_findings(self.findings) + group_findings(self.proposed)
 
     def listed(self) -> list[Finding]:
-        """The findings, the largest first: numbers 1, 2, … wherever they are listed; then the
-        proposals."""
-        return by_size(self.findings) + by_size(self.proposed)
-
-
-def by_size(findings: Iterable[Finding]) -> list[Finding]:
-    """The findings, those of the largest centimetres first, then the most certain."""
-    return sorted(findings, key=lambda finding: (-finding.cm, -finding.confidence))
+        """The findings by their events: numbers 1, 2, … wherever they are listed."""
+        listed: list[Finding] = []
+        for event in self.events():
+            listed += event.findings
+        return listed
 
 
 def measure_distances(before: Motion, after: Motion, from_hips: bool = False) -> np.ndarray:
@@ -159,6 +170,8 @@ def compare_motions(
     for finding in findings:
         if not finding.is_repaired:
             proposed.append(finding)
+        elif not touched[finding.stretch, columns_below(finding.joint)].any():
+            proposed.append(replace(finding, status="kept"))
         elif finding.row is JITTER:
             # Jitter is in all frames: what the rest of the findings moves would be its centimetres.
             mended.append(finding)
@@ -168,15 +181,21 @@ def compare_motions(
 
 
 def _with_centimetres(finding: Finding, moved: np.ndarray, posed: np.ndarray) -> Finding:
-    """The finding with the largest distance (m) of its joint or one below it, in centimetres: in
-    `moved` for a path of the root, else in `posed`."""
-    below = {finding.joint} if finding.joint in JOINTS else set(JOINTS)
-    for joint, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
+    """The finding with the joint, its own or one below it, that moved furthest (m), and how far in
+    centimetres: in `moved` for a path of the root, else in `posed`."""
+    columns = columns_below(finding.joint)
+    distances = (moved if is_path(finding) else posed)[finding.stretch, columns].max(axis=0)
+    furthest = int(distances.argmax())
+    return replace(finding, cm=100 * float(distances[furthest]), mover=JOINTS[columns[furthest]])
+
+
+def columns_below(joint: str) -> list[int]:
+    """The indices of one of the twenty joints and those below it; of any other name, all."""
+    below = {joint} if joint in JOINTS else set(JOINTS)
+    for name, parent in zip(JOINTS[1:], PARENTS[1:], strict=True):
         if JOINTS[parent] in below:
-            below.add(joint)
-    distance = (moved if is_path(finding) else posed)[finding.stretch]
-    cm = 100 * distance[:, [JOINTS.index(joint) for joint in below]].max(initial=0.0)
-    return replace(finding, cm=float(cm))
+            below.add(name)
+    return [JOINTS.index(name) for name in JOINTS if name in below]
 
 
 def join_motions(first: Motion, rest: Motion) -> Motion:

@@ -216,7 +216,8 @@ T_POSES = pytest.mark.parametrize("frames", [1, 30])
 def test_a_t_pose_at_the_start_is_kept_and_not_smeared(walk, frames):
     damaged = with_t_pose(walk, frames)
     kept = repair_motion(damaged, None, preset=Preset(smooth=True))
-    assert (kept.findings[0].kind, kept.findings[0].frames) == ("T-pose", (0, frames - 1))
+    finding = kept.proposed[0]
+    assert (finding.kind, finding.frames, finding.status) == ("T-pose", (0, frames - 1), "kept")
     np.testing.assert_array_equal(kept.motion.rotations[:frames], damaged.rotations[:frames])
     assert error(kept.motion, damaged, slice(frames, frames + 10), ALL) < 0.01
 
@@ -226,6 +227,7 @@ def test_a_t_pose_at_the_start_is_cut_if_a_preset_says_so(walk, frames):
     damaged = with_t_pose(walk, frames)
     cut = repair_motion(damaged, None, preset=Preset(cut=True))
     np.testing.assert_array_equal(cut.motion.rotations, damaged.rotations[frames:])
+    assert [f.status for f in cut.listed() if f.kind == "T-pose"] == ["repaired"]
 
 
 @T_POSES

@@ -1,0 +1,103 @@
+"""Events: the findings along one limb whose frames overlap, as of an elbow and its wrist in one
+swing. Wherever findings are listed, those of an event are together, the largest event first."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from numpy_cae.cleanup.finding import Finding
+from numpy_cae.motion.joints import SIDES
+
+_JOINTS_OF_LIMBS = {
+    "arm": ("collar", "shoulder", "elbow", "wrist"),
+    "leg": ("hip", "knee", "ankle", "toe"),
+}
+
+
+def _limbs_by_joint() -> dict[str, str]:
+    """The limb, such as "left arm", of each joint that has one."""
+    limbs = {}
+    for side in SIDES:
+        for limb, joints in _JOINTS_OF_LIMBS.items():
+            for joint in joints:
+                limbs[f"{side}_{joint}"] = f"{side} {limb}"
+    return limbs
+
+
+LIMB_OF_JOINT = _limbs_by_joint()
+"""The limb, such as "left arm", of each of the twenty joints that has one."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """Findings that a user sees as one.
+
+    Parameters
+    ----------
+    place : str
+        The limb; of one finding its joint.
+    findings : tuple of Finding
+        The largest first.
+    """
+
+    place: str
+    findings: tuple[Finding, ...]
+
+    @property
+    def frames(self) -> tuple[int, int]:
+        """The first and the last frame."""
+        firsts = [finding.frames[0] for finding in self.findings]
+        lasts = [finding.frames[1] for finding in self.findings]
+        return min(firsts), max(lasts)
+
+    @property
+    def largest(self) -> Finding:
+        """The finding of the most centimetres."""
+        return self.findings[0]
+
+    def __repr__(self) -> str:
+        first, last = self.frames
+        frames = f"frames {first} to {last}" if last > first else f"frame {first}"
+        moved = self.largest.movement_in_words()
+        parts = [self.place, frames, moved] if moved else [self.place, frames]
+        return ": ".join(parts)
+
+
+def group_findings(findings: Iterable[Finding]) -> list[Event]:
+    """The events of findings, the largest first; findings of the body, of the trunk and of joints
+    that are none of the twenty are each an event.
+
+    Examples
+    --------
+    >>> elbow = Finding("left_elbow", (28, 73), "frozen", cm=12.0)
+    >>> wrist = Finding("left_wrist", (19, 83), "frozen", cm=86.9)
+    >>> group_findings([elbow, wrist, Finding("head", (30, 31), "spike", cm=20.0)])
+    [left arm: frames 19 to 83: 86.9 cm, head: frames 30 to 31: 20.0 cm]
+    """
+    groups: list[list[Finding]] = []
+    latest: dict[str, list[Finding]] = {}
+    for finding in sorted(findings, key=lambda finding: finding.frames):
+        limb = LIMB_OF_JOINT.get(finding.joint, "")
+        group = latest.get(limb, [])
+        if limb and _overlaps(group, finding):
+            group.append(finding)
+        else:
+            latest[limb] = [finding]
+            groups.append(latest[limb])
+    events = [_make_event(group) for group in groups]
+    return sorted(events, key=lambda event: _size(event.largest))
+
+
+def _overlaps(group: Sequence[Finding], finding: Finding) -> bool:
+    """Whether a finding begins before the last of a group has ended."""
+    return any(finding.frames[0] <= earlier.frames[1] for earlier in group)
+
+
+def _make_event(group: Sequence[Finding]) -> Event:
+    by_size = tuple(sorted(group, key=_size))
+    place = LIMB_OF_JOINT[group[0].joint] if len(group) > 1 else group[0].joint
+    return Event(place, by_size)
+
+
+def _size(finding: Finding) -> tuple[float, float]:
+    """What sorts the largest first, then the most certain."""
+    return -finding.cm, -finding.confidence
