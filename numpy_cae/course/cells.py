@@ -5,6 +5,7 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
 
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
+from numpy_cae.course.cell_alone import as_graded
 from numpy_cae.course.exercises.exercise import MAKES, with_hint
 from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.course.mine_file import FILE, NotSavedError, nbgrader_runs, read_mine, run_mine, save
@@ -23,6 +24,9 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
     In a notebook the report is shown where it is the last line of a cell; in a script nothing is
     shown: `print(course.report(name, function))`.
 
+    Tested is what the grader has: the function as its cell alone defines it. What the cell lacks,
+    such as a helper in another cell, is printed.
+
     Of what the function prints in the tests, the first lines are shown above the report. Where
     `solved` replaced the function by the package's own, the one that it replaced is tested.
 
@@ -36,6 +40,7 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
         function = attempt_of(function)
         if function is unsolved:
             print(f"{name} is the package's own now: run the cell with your function again first")
+    function = _print_problems(name, function)
     if nbgrader_runs():
         with redirect_stdout(Printed()), redirect_stderr(Printed()):  # it would give 0 points
             result = Report(exercise, called, try_all(exercise, function))
@@ -59,8 +64,11 @@ def solved(name: str, function: Callable) -> Callable:
     """
     if name not in EXERCISES:
         raise ValueError(f"no exercise is called {name!r}; there are {', '.join(EXERCISES)}")
-    with redirect_stdout(Printed()):
-        is_right = not is_stand_in(function) and holds(EXERCISES[name], function)
+    is_right = False
+    if not is_stand_in(function):
+        alone = _print_problems(name, function)
+        with redirect_stdout(Printed()):
+            is_right = holds(EXERCISES[name], alone)
     if not is_right:
         again = "run this cell again when yours is right"
         print(f"{name}: the next cells use the package's own; {again}")
@@ -72,6 +80,14 @@ def solved(name: str, function: Callable) -> Callable:
     except NotSavedError as error:
         print(f"{name}: the next cells use your function. It is not saved to {FILE}: {error}")
     return function
+
+
+def _print_problems(name: str, function: Callable) -> Callable:
+    """The function as the grader has it; what is wrong with its cell is printed."""
+    alone, problems = as_graded(name, function)
+    for problem in problems:
+        print(problem)
+    return alone
 
 
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:

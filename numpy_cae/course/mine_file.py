@@ -12,7 +12,6 @@ import linecache
 import os
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -114,12 +113,24 @@ def save(name: str, function: Callable) -> bool:
 
 def _require_complete(name: str, saved: Callable) -> None:
     """Raise a NotSavedError unless a function of mine.py works as it did in its notebook."""
-    first = replace(EXERCISES[name].properties[0], examples=1)
-    for case in first.cases():
-        error = failure(first, saved, case)
+    for stated in EXERCISES[name].properties:
+        error = failure(stated, saved, stated.cases()[0])
         if error is not None:
             problem = str(error) if isinstance(error, AssertionError) else error_text(error)
             raise NotSavedError(f"{problem}. Define what it needs in its own cell")
+
+
+def definitions_of(tree: ast.Module, name: str) -> ast.Module:
+    """The statements of a cell that mine.py takes, and what gives a function its name."""
+    statements: list[ast.stmt] = []
+    for statement in tree.body:
+        if _is_import(statement) and not _imports_mine(statement):
+            statements.append(statement)
+        elif _names(statement):
+            statements.append(statement)
+        elif isinstance(statement, ast.Assign) and name in _target_names(statement.targets):
+            statements.append(statement)
+    return ast.Module(statements, type_ignores=[])
 
 
 def with_definitions(text: str, cell: str) -> str:

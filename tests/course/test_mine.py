@@ -94,7 +94,6 @@ def test_the_packages_own_are_used_and_the_file_is_kept(text, message, mine, mon
     ("function", "problem"),
     [
         (without_def, "no def sgd_step"),
-        (needs_one, "NameError: name 'ONE' is not defined. Define what it needs in its own cell"),
         (partial(sgd_step), "no def sgd_step"),
     ],
 )
@@ -103,6 +102,40 @@ def test_what_would_not_work_is_not_written(function, problem, mine, capsys):
     assert f"not saved to mine.py: {problem}" in capsys.readouterr().out
     assert mine.read_text() == EMPTY
     assert "import tanh" not in with_definitions(EMPTY, "from mine import tanh\n" + SGD_STEP)
+
+
+def test_a_helper_in_another_cell_is_named_at_once(mine, capsys):
+    report = course.report("sgd_step", needs_one)
+    printed = capsys.readouterr().out
+    assert (
+        "ONE is defined in another cell. The grader and later lessons have the cell of" in printed
+    )
+    assert report.points == 0 and "name 'ONE' is not defined" in str(report)
+
+
+def test_a_function_with_a_helper_in_another_cell_is_not_solved(mine, capsys):
+    assert is_stand_in(course.solved("sgd_step", needs_one))
+    assert mine.read_text() == EMPTY
+
+
+def test_a_helper_that_only_the_pullback_calls_is_named(mine, capsys):
+    source = "def tanh(x):\n    y = np.tanh(x)\n    return y, lambda dy: dy * slope(y)\n"
+    tanh = in_cell("tanh", source, slope=lambda y: 1 - y * y)
+    report = course.report("tanh", tanh)
+    assert "slope is defined in another cell" in capsys.readouterr().out
+    assert report.points == 4  # of the value
+
+
+def test_a_cell_that_imports_the_package_has_no_points(mine, capsys):
+    source = "def sgd_step(*arguments):\n    import numpy_cae\n    return arguments[0]\n"
+    assert course.report("sgd_step", in_cell("sgd_step", source)).points == 0
+    assert "the grader refuses the import of numpy_cae" in capsys.readouterr().out
+
+
+def test_a_function_of_another_name_has_no_points(mine, capsys):
+    source = SGD_STEP.replace("sgd_step", "my_step")
+    assert course.report("sgd_step", in_cell("my_step", source)).points == 0
+    assert "what a `def sgd_step` defines" in capsys.readouterr().out
 
 
 def test_progress_counts_what_is_in_mine(mine, capsys):
