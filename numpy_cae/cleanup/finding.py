@@ -25,7 +25,7 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.masks import runs
 
-LEFT_REASON = "feet would slide more or joints would jump more"
+LEFT_REASON = "feet would slide more or joints would jump or shake more"
 """Why a finding was not mended although it is certain."""
 KEPT_REASON = "nothing is wrong there"
 """Why a finding changes nothing although it is certain."""
@@ -230,6 +230,16 @@ def shift_findings(findings: Sequence[Finding], frames: int) -> list[Finding]:
         if last + frames >= 0:
             shifted.append(replace(finding, frames=(max(first + frames, 0), last + frames)))
     return shifted
+
+
+def findings_within(findings: Sequence[Finding], first: int, end: int) -> list[Finding]:
+    """The findings in the frames from `first` to before `end`, counted from `first`."""
+    within = []
+    for finding in shift_findings(findings, -first):
+        start, last = finding.frames
+        if start < end - first:
+            within.append(replace(finding, frames=(start, min(last, end - first - 1))))
+    return within
 
 
 def write_findings(path: str | Path, findings: Iterable[Finding]) -> None:

@@ -3,7 +3,11 @@ start (its rule is in `mocap.t_pose`).
 
 Dropped frames, a sensor that stops and a pose of reference stand still until the motion jumps. A
 person who stands still is never exactly still, a channel that is not used does not jump, and a
-joint at its limit returns to the same value.
+joint at its limit returns to the same value, or is a straight knee or elbow.
+
+A pose that is held is no damage: animations by keys hold poses, one after the other, and a clip
+ends with one. Frames are dropped only if the motion before them and after them is as fast as what
+it made up by the jump (`cuts.is_drop`), and a rotation is frozen only if the other joints move.
 
 A freeze may also begin and end over some frames, its onset. Then the rotation's speed changes where
 the onset begins, and changes back where it ends: between these two frames it is wrong, too.
@@ -19,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.cleanup.channels import STILL_METRES, Channel
+from numpy_cae.cleanup.cuts import is_drop
 from numpy_cae.cleanup.finding import Finding, confidence
 from numpy_cae.cleanup.kinds import BODY, BONE, FROZEN, REPEATED, T_POSE
 from numpy_cae.cleanup.view import View
@@ -48,8 +53,8 @@ ELSEWHERE_SHARE = 0.5
 """Where a rotation is frozen without a jump, arms stand still elsewhere for at most this share of
 its frames: in an animation by keys, arms are held again and again."""
 MOST_STILL_SHARE = 0.25
-"""While a rotation is frozen without a jump, at most this share of the channels stands still, in
-the median."""
+"""While a rotation is frozen, at most this share of the rotations of the twenty joints stands
+still, in the median; without a jump, of all channels."""
 KINK_SHARE = 0.4
 """At both ends of an onset the speed changes, in opposite ways, by changes of which the outer one
 is at least this share of the inner one."""
@@ -67,6 +72,21 @@ HELD_SHARE = 0.4
 held on purpose, as in animation on twos, and repeated frames are proposed."""
 HELD_SECONDS = 1.0
 """Frames around that repeat a pose are counted within this time (s)."""
+REPEATED_METRES = 5e-4
+"""Frames that repeat a pose are found only if the channels then move by more than this (m), in the
+mean: less is printed as 0.0 cm."""
+STRAIGHT_DEGREES = 1.0
+"""A knee or an elbow that is bent by less than this (°) is at its limit, and not frozen."""
+KNEES = ("left_knee", "right_knee")
+"""These are straight at their limit."""
+ELBOWS = ("left_elbow", "right_elbow")
+"""These are straight at their limit, or if a marker is missing; then they jump to it or from it."""
+USUAL_SHARE = 0.95
+"""A step of a channel is usual up to this quantile of the steps in which it moves."""
+UNUSUAL_RATIO = 1.5
+"""An elbow does not come to its limit, or leave it, by a step of more than this times the usual
+ones: of forearms in the rest pose for a while the ratio is 1.6 to 136 in 44 of 48, with onsets of
+one to four frames at 30 a second, in walks, runs, waves and punches of data_synth."""
 UNUSED_SHARE = 0.75
 """A rotation that stands still for more than this share of the file is not frozen, but not used."""
 
@@ -82,10 +102,11 @@ class StillRun(NamedTuple):
 
 
 class StillShares(NamedTuple):
-    """For each step of a motion (frames - 1,) the share of the channels that stand still, and how
-    many channels of arms do."""
+    """For each step of a motion (frames - 1,) the share of the channels that stand still, that of
+    the rotations of the twenty joints, and how many channels of arms do."""
 
     of_channels: np.ndarray
+    of_joints: np.ndarray
     of_arms: np.ndarray
 
 
@@ -101,13 +122,16 @@ def find_freezes(view: View, sensitivity: float = 0.5) -> list[Finding]:
     """
     channels = [channel for channel in view.channels if channel.channel != BONE]
     mean_steps = np.zeros(max(len(view) - 1, 0))
-    still = StillShares(np.zeros(mean_steps.shape), np.zeros(mean_steps.shape))
+    still = StillShares(*np.zeros((3, len(mean_steps))))
+    joints = [channel for channel in channels if channel.is_rotation and channel.name in JOINTS]
     for channel in channels:
         steps = channel.steps()
         is_still = steps <= STILL_METRES
         mean_steps += steps / len(channels)
         still.of_channels[:] += is_still / len(channels)
-        if channel.is_rotation and channel.name in ARMS:
+        if channel in joints:
+            still.of_joints[:] += is_still / len(joints)
+        if channel in joints and channel.name in ARMS:
             still.of_arms[:] += is_still
     rotations = [channel for channel in channels if channel.is_rotation]
     repeated: list[Finding] = []
@@ -115,7 +139,7 @@ def find_freezes(view: View, sensitivity: float = 0.5) -> list[Finding]:
         repeated = list(_find_repeated(mean_steps, view, sensitivity))
     frozen: list[Finding] = []
     for channel in rotations:
-        frozen += _find_frozen(channel, still, sensitivity)
+        frozen += _find_frozen(view, channel, still, sensitivity)
     frozen += _find_left_behind(view, rotations, sensitivity)
     covered: set[int] = set()
     for finding in repeated:
@@ -130,13 +154,15 @@ def _find_repeated(steps: np.ndarray, view: View, sensitivity: float) -> Iterato
     """The runs of frames that repeat the pose of the frame before them."""
     is_still = steps <= STILL_METRES
     margin = view.frames(HELD_SECONDS)
-    for run in _still_runs(steps, 1, 0.0):
+    for run in _still_runs(steps, 1, REPEATED_METRES):
         if run.score_out * 2 * sensitivity <= 1:
             continue
         start = run.first
         end = run.end
         around = np.r_[is_still[max(start - margin, 0) : start], is_still[end : end + margin]]
         held_on_purpose = bool(around.mean() > HELD_SHARE)
+        if not held_on_purpose and not _is_drop(view, start, end):
+            continue
         # A jump into the run shows that its first pose is wrong too, unless all are held.
         first = start + (held_on_purpose or run.score_in <= 1)
         evidence = _evidence(end + 1 - start, steps[end])
@@ -146,6 +172,15 @@ def _find_repeated(steps: np.ndarray, view: View, sensitivity: float) -> Iterato
             status = "proposed"
         sure = confidence(run.score_out)
         yield Finding(BODY, (first, end), REPEATED.name, evidence, 0.0, sure, status)
+
+
+def _is_drop(view: View, start: int, end: int) -> bool:
+    """Whether frames were dropped where a pose is repeated from frame `start` to `end`."""
+    body = view.body
+    jump = body[end + 1] - body[end]
+    speed_before = body[start] - body[max(start - 1, 0)]
+    speed_after = body[min(end + 2, len(body) - 1)] - body[end + 1]
+    return is_drop(end + 1 - start, view.rate, jump, speed_before, speed_after)
 
 
 def is_held(findings: list[Finding], frames: int) -> bool:
@@ -158,16 +193,22 @@ def is_held(findings: list[Finding], frames: int) -> bool:
     return held > HELD_SHARE * frames
 
 
-def _find_frozen(channel: Channel, still: StillShares, sensitivity: float) -> Iterator[Finding]:
-    """The runs of frames in which a rotation stands still and then jumps; or, in an arm, in which
-    its values repeat exactly while other channels move, if those of arms hardly do so elsewhere."""
+def _find_frozen(
+    view: View, channel: Channel, still: StillShares, sensitivity: float
+) -> Iterator[Finding]:
+    """The runs of frames in which a rotation stands still while the other joints move, and then
+    jumps; or, in an arm, in which its values repeat exactly while other channels move, if those of
+    arms hardly do so elsewhere."""
     steps = channel.steps()
     least_metres = max(FROZEN_JUMP_METRES, FROZEN_JUMP_METRES_A_SECOND / channel.rate)
     is_used = np.mean(steps <= STILL_METRES) < UNUSED_SHARE
     for run in _still_runs(steps, _least_frames(channel.rate), least_metres):
         start = run.first
         end = run.end
-        score = run.score_out if is_used else 0.0
+        if _is_straight(view, channel, start, end):
+            continue
+        others_move = np.median(still.of_joints[start:end]) <= MOST_STILL_SHARE
+        score = run.score_out if is_used and others_move else 0.0
         size = steps[end]
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
@@ -184,6 +225,32 @@ def _find_frozen(channel: Channel, still: StillShares, sensitivity: float) -> It
         if score * 2 * sensitivity > 1 and not _recurs(channel, start - margin, end + margin):
             evidence = _evidence(end + 1 - start, size)
             yield Finding(channel.name, frames, FROZEN.name, evidence, 0.0, confidence(score))
+
+
+def _is_straight(view: View, channel: Channel, start: int, end: int) -> bool:
+    """Whether a rotation that stands still between two frames is that of a straight knee or elbow:
+    the limit of the joint."""
+    if channel.name not in KNEES + ELBOWS:
+        return False
+    column = JOINTS.index(channel.name)
+    limb = view.body[(start + 1 + end) // 2, column - 1 : column + 2]
+    bones = np.diff(limb, axis=0)
+    lengths = np.linalg.norm(bones, axis=1)
+    cosine = bones[0] @ bones[1] / max(lengths[0] * lengths[1], STILL_METRES)
+    is_straight = bool(cosine > np.cos(np.radians(STRAIGHT_DEGREES)))
+    return is_straight and not (channel.name in ELBOWS and _is_forced(channel, start, end))
+
+
+def _is_forced(channel: Channel, start: int, end: int) -> bool:
+    """Whether a rotation comes to where it stands still from frame `start` to `end`, or leaves it,
+    by steps that are longer than its usual ones."""
+    steps = channel.steps()
+    margin = _longest_onset(channel.rate)
+    at_ends = np.r_[steps[max(start - margin, 0) : start], steps[end : end + margin]]
+    rest = np.r_[steps[: max(start - margin, 0)], steps[end + margin :]]
+    moving = rest[rest > STILL_METRES]
+    usual = np.quantile(moving, USUAL_SHARE) if len(moving) else 0.0
+    return bool(at_ends.max(initial=0.0) > UNUSUAL_RATIO * usual)
 
 
 def _stands_alone(still: StillShares, start: int, end: int) -> bool:
@@ -291,8 +358,8 @@ def _score_of_jump(step: float, neighbours: np.ndarray, least_metres: float) -> 
     return float(step / max(least_metres, usual, STILL_METRES))
 
 
-def find_t_pose(motion: Motion) -> list[Finding]:
-    """At most one finding, of kind "T-pose".
+def find_t_pose(motion: Motion, view: View | None = None) -> list[Finding]:
+    """At most one finding, of kind "T-pose"; a view of the motion spares computing its body.
 
     Examples
     --------
@@ -302,7 +369,10 @@ def find_t_pose(motion: Motion) -> list[Finding]:
     >>> find_t_pose(motion)
     [body: frame 0: T-pose (...
     """
-    pose = leading_t_pose(motion)
+    body = None
+    if view is not None and view.is_person:  # a pose of reference need not be a person's
+        body = view.body * view.size
+    pose = leading_t_pose(motion, body)
     if pose is None:
         return []
     evidence = f"arms held out, then all joints move by {100 * pose.step:.0f} cm in a frame"

@@ -1,11 +1,14 @@
 """Whether a step of a repair has made the motion worse near a finding: what it changed is measured
 first (`measure_changes`), and then judged (`find_worse`)."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from numpy_cae.cleanup.finding import Finding
+from numpy_cae.cleanup.kinds import REPEATED
+from numpy_cae.cleanup.measures import is_larger, measure_view
 from numpy_cae.cleanup.view import SHARP, View
 from numpy_cae.motion.contacts import foot_speeds, lower_foot
 from numpy_cae.motion.masks import widen_runs
@@ -95,6 +98,32 @@ def measure_changes(before: View, after: View, findings: list[Finding]) -> Chang
         jumps_near=jumps_near,
         sliding_near=sliding_near,
     )
+
+
+def has_worse_figures(before: View, after: View, findings: Sequence[Finding]) -> bool:
+    """Whether a figure of a whole motion (`measures.Measures`) is worse after findings are mended.
+
+    Feet that slide more count by the thresholds above, and only those that stood before: a leg that
+    is turned stands nowhere, and a body whose pose was repeated did not slide. Neither they nor
+    jitter count in a motion that jumps all the time, whose feet hardly stand, if it jumps less.
+    """
+    figures = measure_view(before)
+    figures_after = measure_view(after)
+    if is_larger(figures.jumps, figures_after.jumps):
+        return True
+    if figures.jumps > JUMPY_SHARE * len(before) and figures_after.jumps < figures.jumps:
+        return False
+    sliding, sliding_after = standing_speeds(before, after)
+    is_still = np.zeros(len(before), bool)
+    for finding in findings:
+        if finding.row is REPEATED:
+            is_still[finding.stretch] = True
+    sliding = sliding[~is_still]
+    standing = max(np.count_nonzero(sliding), 1)
+    speed = float(sliding.sum() / standing)
+    speed_after = float(sliding_after[~is_still].sum() / standing)
+    more = max(MORE_SLIDING_SHARE * speed, MORE_SLIDING_CENTIMETRES)
+    return speed_after - speed > more or is_larger(figures.jitter, figures_after.jitter)
 
 
 def _count(mask: np.ndarray) -> int:

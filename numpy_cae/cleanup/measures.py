@@ -39,9 +39,18 @@ def measure_damage(motion: Motion) -> Measures:
     >>> measure_damage(make_take("walk", 0, seconds=2.0, rate=30.0).motion).jumps
     0.0
     """
-    view = View(with_finite_values(motion)[0])
+    return measure_view(View(with_finite_values(motion)[0]))
+
+
+def measure_view(view: View) -> Measures:
+    """The measures of the motion of a view."""
     jumps = float(np.count_nonzero((view.jumps == SHARP).any(axis=1)))
     return Measures(jumps, view.sliding, measure_shaking(view))
+
+
+def is_larger(before: float, after: float) -> bool:
+    """Whether a measure is worse after a repair: larger by more than 1% and 0.1."""
+    return after > 1.01 * before + 0.1
 
 
 def measure_shaking(view: View) -> float:

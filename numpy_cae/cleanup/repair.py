@@ -5,12 +5,15 @@ The paper projects the whole motion (`project_motion`), which also changes what 
 A repair is
 
     find a T-pose at the start, and set it aside
-    find what the file itself shows: `find_segments`
-    mend it, kind by kind, and what is found on the way: each of `STEPS`
-    fill in what is missing for long, by the manifold
-    put the T-pose back
+    split the rest at cuts, where other clips begin; of each part (`repair_part`)
+        find what the file itself shows: `find_segments`
+        mend it, kind by kind, and what is found on the way: each of `STEPS`
+        fill in what is missing for long, by the manifold
+        leave what made the figures of the part worse
+    join the parts, and put the T-pose back
 
-Between the first and the last line, frames are counted from the end of the T-pose. The manifold
+Between the first and the last line, frames are counted from the end of the T-pose, in a part from
+its start. The manifold
 works at thirty frames a second, (F, …); masks and findings are in the frames of the file,
 (frames, …).
 """
@@ -18,23 +21,31 @@ works at thirty frames a second, (F, …); masks and findings are in the frames 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from numpy_cae.cleanup.cuts import find_cuts
 from numpy_cae.cleanup.displacements import find_displacements, mend_displacements
 from numpy_cae.cleanup.feet import find_feet, mend_feet
 from numpy_cae.cleanup.finding import (
     Finding,
     check_finding,
     findings_of_mask,
+    findings_within,
     joint_names,
     shift_findings,
 )
 from numpy_cae.cleanup.freezes import find_freezes, find_t_pose, is_held
 from numpy_cae.cleanup.holes import UNKNOWN_METRES, complete_holes, fill_holes
 from numpy_cae.cleanup.interpolation import interpolate_channels, with_finite_values
-from numpy_cae.cleanup.judging import Tolerance, find_worse, measure_changes
+from numpy_cae.cleanup.judging import (
+    Tolerance,
+    find_worse,
+    has_worse_figures,
+    measure_changes,
+)
 from numpy_cae.cleanup.jumps import find_jitter, find_jumps, mend_jumps, smooth_motion
 from numpy_cae.cleanup.kinds import BODY, MARKED, T_POSE
 from numpy_cae.cleanup.limb_turns import find_limb_turns, mend_limb_turns
@@ -50,6 +61,11 @@ from numpy_cae.motion.motion import Motion, require_finite
 MOST_ROUNDS = 4
 """A step is taken at most this often, each time without the findings near which the motion became
 worse."""
+LONGEST_INTERPOLATED_SECONDS = 1.0
+"""What the manifold does not fill in is interpolated for at most this time (s), unless the user
+asks for more: a straight line of a second is not what people do."""
+Verdicts = dict[tuple[str, tuple[int, int], str], str]
+"""The status of findings that are not mended, by their joint, frames and kind."""
 Progress = Callable[[float], None]
 """A function that takes the share of the time of a repair that has passed, roughly."""
 
@@ -57,6 +73,23 @@ Progress = Callable[[float], None]
 def interpolate_damage(view: View, findings: list[Finding]) -> Motion:
     """The motion with the damaged channels of findings interpolated."""
     return interpolate_channels(view.motion, findings)
+
+
+class Part(NamedTuple):
+    """A part of a motion between two cuts, after its repair.
+
+    Parameters
+    ----------
+    motion : Motion
+    damage : list of Finding
+        What was found, in frames of the part.
+    residual : float
+        As in `Repaired`.
+    """
+
+    motion: Motion
+    damage: list[Finding]
+    residual: float
 
 
 class Step(NamedTuple):
@@ -167,27 +200,143 @@ def repair_motion(
     if findings is not None:
         findings = [check_finding(motion, finding) for finding in findings]
     finite, broken = with_finite_values(motion)
+    view = View(finite)
     if findings is None:
-        t_pose = find_t_pose(finite)
+        t_pose = find_t_pose(finite, view)
     else:
         t_pose = [finding for finding in findings if finding.row is T_POSE]
     pose, moving = split_t_pose(finite, t_pose)
     start = len(pose)  # frames are counted from here
-    if findings is None:
-        mended, damage = mend_damage(moving, preset, manifold, progress)
-    else:
+    named = None
+    if findings is not None:
         rest = [finding for finding in findings if finding.row is not T_POSE]
         named = shift_findings(rest, -start)
-        mended, damage = mend_findings(moving, named, preset, manifold, progress)
-    damage += shift_findings(broken, -start)
-    residual = 0.0
-    if manifold is not None:
-        mended, residual = complete_holes(mended, manifold, damage)
+    if start:
+        view = View(moving)
+    cuts = find_cuts(view)
+    if named:
+        cuts = [cut for cut in cuts if not _covers(named, cut)]
+    parts = []
+    for first, end in pairwise([0, *cuts, len(moving)]):
+        part = View(moving.at(slice(first, end))) if cuts else view
+        named_there = None if named is None else findings_within(named, first, end)
+        broken_there = findings_within(shift_findings(broken, -start), first, end)
+        parts.append(
+            repair_part(
+                part,
+                named_there,
+                broken_there,
+                preset,
+                manifold,
+                _progress_of_part(progress, first / len(moving), end / len(moving)),
+            )
+        )
+    mended, damage, residual = join_parts(parts)
     damage = [*t_pose, *shift_findings(damage, start)]
     repaired = compare_motions(finite, join_motions(pose, mended), damage, broken)
     is_familiar = residual <= UNKNOWN_METRES
-    repaired = replace(repaired, original=motion, residual=residual, is_familiar=is_familiar)
+    repaired = replace(
+        repaired,
+        original=motion,
+        residual=residual,
+        is_familiar=is_familiar,
+        cuts=tuple(start + cut for cut in cuts),
+    )
     return repaired.without_first(start) if preset.cut else repaired
+
+
+def repair_part(
+    view: View,
+    findings: Sequence[Finding] | None,
+    broken: list[Finding],
+    preset: Preset,
+    manifold: MotionManifold | None,
+    progress: Progress | None = None,
+) -> Part:
+    """The repair of a motion without cuts and without a T-pose: of `findings`, or, with None, of
+    what the file shows. The values of `broken` are interpolated.
+
+    Of what the file shows, the repair leaves that with which a printed figure would become worse
+    (`judging.has_worse_figures`), unless the user asks for more than a plain repair. What would be
+    interpolated for longer than `LONGEST_INTERPOLATED_SECONDS` is proposed.
+    """
+    if findings is not None:
+        mended, damage = mend_findings(view, findings, preset, manifold, progress)
+        return _complete(mended, [*damage, *broken], manifold)
+    verdicts: Verdicts = {}
+    for _ in range(MOST_ROUNDS + 1):
+        mended, damage = mend_view(view, preset, manifold, progress, verdicts)
+        part = _complete(mended, [*damage, *broken], manifold)
+        repaired = [finding for finding in damage if finding.is_repaired]
+        objections = _object(view, part, repaired, preset, manifold is not None)
+        if not objections:
+            break
+        verdicts |= objections
+    else:
+        part = _complete(view.motion, [*_with_status(damage, []), *broken], manifold)
+    return part
+
+
+def _object(
+    before: View, part: Part, repaired: list[Finding], preset: Preset, has_manifold: bool
+) -> Verdicts:
+    """What should not have been repaired: the status of each such finding."""
+    if not repaired:
+        return {}
+    if not has_manifold or part.residual > UNKNOWN_METRES:
+        longest = LONGEST_INTERPOLATED_SECONDS * before.rate
+        too_long = []
+        for finding in repaired:
+            first, last = finding.frames
+            if finding.row.is_filled and last + 1 - first > longest:
+                too_long.append(finding)
+        if too_long:
+            return {_key(finding): "proposed" for finding in too_long}
+    if preset.smooth or preset.feet:
+        return {}
+    after = before.after(part.motion)
+    if not has_worse_figures(before, after, repaired):
+        return {}
+    changes = measure_changes(before, after, repaired)
+    worse = find_worse(repaired, changes, Tolerance(sharp_jumps=0.0))
+    return {_key(finding): "left" for finding in worse or repaired}
+
+
+def _key(finding: Finding) -> tuple[str, tuple[int, int], str]:
+    """By which a finding is found again in another repair of the same motion."""
+    return finding.joint, finding.frames, finding.kind
+
+
+def _complete(motion: Motion, damage: list[Finding], manifold: MotionManifold | None) -> Part:
+    """The part of a motion whose damage is mended, with holes filled in by the manifold."""
+    if manifold is None:
+        return Part(motion, damage, 0.0)
+    motion, residual = complete_holes(motion, manifold, damage)
+    return Part(motion, damage, residual)
+
+
+def join_parts(parts: Sequence[Part]) -> Part:
+    """The parts of a motion one after the other, with the largest of their residuals."""
+    motion = parts[0].motion
+    damage = list(parts[0].damage)
+    for part in parts[1:]:
+        damage += shift_findings(part.damage, len(motion))
+        motion = join_motions(motion, part.motion)
+    return Part(motion, damage, max(part.residual for part in parts))
+
+
+def _covers(findings: Sequence[Finding], cut: int) -> bool:
+    """Whether a finding of the user begins before a cut and ends after it: the user then says what
+    is right on both sides."""
+    return any(finding.frames[0] < cut <= finding.frames[1] for finding in findings)
+
+
+def _progress_of_part(progress: Progress | None, first: float, end: float) -> Progress | None:
+    """A function that takes the share of the time of a part that has passed, which is from the
+    share `first` to `end` of all."""
+    if progress is None:
+        return None
+    return lambda share: progress(first + share * (end - first))
 
 
 def split_t_pose(motion: Motion, t_pose: list[Finding]) -> tuple[Motion, Motion]:
@@ -198,23 +347,14 @@ def split_t_pose(motion: Motion, t_pose: list[Finding]) -> tuple[Motion, Motion]
     return pose, motion.at(slice(start, None)) if start else motion
 
 
-def mend_damage(
-    motion: Motion,
-    preset: Preset | None = None,
-    manifold: MotionManifold | None = None,
-    progress: Progress | None = None,
-) -> tuple[Motion, list[Finding]]:
-    """Find the damage that the file itself shows, and mend it.
+def mend_damage(motion: Motion, preset: Preset | None = None) -> tuple[Motion, list[Finding]]:
+    """Find the damage that the file itself shows, and mend it, without a manifold.
 
     Parameters
     ----------
     motion : Motion
     preset : Preset, optional
         Findings have a confidence of at least 1 - `preset.sensitivity`.
-    manifold : MotionManifold, optional
-        For the steps that need it.
-    progress : function (share), optional
-        As in `repair_motion`.
 
     Returns
     -------
@@ -228,20 +368,33 @@ def mend_damage(
     >>> [finding.kind for finding in mend_damage(motion)[1]]
     ['spike']
     """
-    preset = preset or Preset()
-    view = View(motion)
+    return mend_view(View(motion), preset or Preset())
+
+
+def mend_view(
+    view: View,
+    preset: Preset,
+    manifold: MotionManifold | None = None,
+    progress: Progress | None = None,
+    verdicts: Verdicts | None = None,
+) -> tuple[Motion, list[Finding]]:
+    """Find and mend the damage of a motion (`mend_damage`), with the steps that need the manifold
+    if there is one, and without mending what `verdicts` say; `progress` is as in `repair_motion`.
+    """
+    verdicts = verdicts or {}
     segments = find_segments(view, preset.sensitivity)
     damage: list[Finding] = []
     for step in steps_with(manifold):
         if step.option and not step.is_chosen(preset):
             continue
-        if not step.option and is_held(damage, len(motion)):
+        if not step.option and is_held(damage, len(view)):
             continue
         if step.find:
             findings = step.find(view, preset.sensitivity)
         else:
             findings = [finding for finding in segments if finding.row.step == step.name]
-            findings = drop_explained(findings, damage, motion)
+            findings = drop_explained(findings, _explanations(damage, verdicts), view.motion)
+        findings = [_with_verdict(finding, verdicts) for finding in findings]
         view, findings = take_step_if_better(step, view, findings)
         damage += findings
         if progress:
@@ -249,17 +402,32 @@ def mend_damage(
     return view.motion, damage
 
 
+def _explanations(damage: list[Finding], verdicts: Verdicts) -> list[Finding]:
+    """The findings of damage, those with a verdict as if they were mended: what is left alone still
+    explains what is there."""
+    explanations = []
+    for finding in damage:
+        if _key(finding) in verdicts:
+            explanations.append(replace(finding, status="repaired"))
+        else:
+            explanations.append(finding)
+    return explanations
+
+
+def _with_verdict(finding: Finding, verdicts: Verdicts) -> Finding:
+    """The finding with the status that a verdict gives it."""
+    return replace(finding, status=verdicts.get(_key(finding), finding.status))
+
+
 def mend_findings(
-    motion: Motion,
+    view: View,
     findings: Sequence[Finding],
-    preset: Preset | None = None,
+    preset: Preset,
     manifold: MotionManifold | None = None,
     progress: Progress | None = None,
 ) -> tuple[Motion, list[Finding]]:
     """Mend what the user names, whatever that does elsewhere, and look only for what an option of
-    the preset asks for. Parameters and results are those of `mend_damage`."""
-    preset = preset or Preset()
-    view = View(motion)
+    the preset asks for. Parameters and results are those of `mend_view`."""
     damage: list[Finding] = []
     for step in steps_with(manifold):
         if step.find and step.is_chosen(preset):

@@ -13,6 +13,7 @@ from numpy_cae.cleanup.kinds import JITTER, MARKED, T_POSE
 from numpy_cae.cleanup.words import (
     NOTHING_FOUND,
     count,
+    cuts_in_words,
     first_lines,
     joints_by_frames,
     joints_in_words,
@@ -49,6 +50,8 @@ class Repaired:
         What was not changed: it is less certain, was left alone, or is right (`Finding.status`).
     original : Motion, optional
         The motion before the repair.
+    cuts : tuple of int
+        The frames of the file at which other clips begin (`cuts.find_cuts`).
 
     Examples
     --------
@@ -68,11 +71,14 @@ class Repaired:
     findings: tuple[Finding, ...] = ()
     proposed: tuple[Finding, ...] = ()
     original: Motion | None = None
+    cuts: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         """A line for joints that were changed in the same frames: names, frames, centimetres; then
         what was found, by kind, and what is proposed."""
         lines = []
+        if self.cuts:
+            lines.append(cuts_in_words(self.cuts))
         for frames, joints in joints_by_frames(self.touched).items():
             moved = 100 * self.moved[:, joints][self.touched[:, joints]]
             change = f"moved {moved.mean():.1f} cm, at most {moved.max():.1f}"

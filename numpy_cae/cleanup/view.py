@@ -144,6 +144,14 @@ class View:
         """The twenty joints, as those of a body of usual size, (frames, 20, 3) in metres."""
         return self._body_and_size[0]
 
+    @property
+    def is_person(self) -> bool:
+        """Whether the joints are found and the first pose is a person's."""
+        try:
+            return self.size > 0
+        except UnknownRigError:
+            return False
+
     @cached_property
     def toes(self) -> np.ndarray:
         """Both toes, as those of a body of usual size, (frames, 2, 3) in metres."""

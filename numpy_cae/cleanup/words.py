@@ -32,6 +32,24 @@ def first_lines(lines: list[str]) -> list[str]:
     return [*lines[:MOST_PRINTED], f"  and {more} more"]
 
 
+def cuts_in_words(cuts: Sequence[int]) -> str:
+    """Where clips begin, and what that means for a repair.
+
+    Examples
+    --------
+    >>> cuts_in_words([101])
+    'cut at frame 101: the clips before and after it are repaired apart'
+    >>> cuts_in_words([60, 101])
+    'cuts at frames 60, 101: the clips between them are repaired apart'
+    """
+    frames = ", ".join(map(str, cuts[:MOST_PRINTED]))
+    if len(cuts) > MOST_PRINTED:
+        frames += f" and {len(cuts) - MOST_PRINTED} more"
+    if len(cuts) == 1:
+        return f"cut at frame {frames}: the clips before and after it are repaired apart"
+    return f"cuts at frames {frames}: the clips between them are repaired apart"
+
+
 def frames_in_words(mask: np.ndarray) -> str:
     """The runs of a mask (frames,), such as "frames 30 to 45, 102"."""
     ends = runs(mask)

@@ -44,13 +44,15 @@ class TPose:
     score: float
 
 
-def leading_t_pose(motion: Motion) -> TPose | None:
+def leading_t_pose(motion: Motion, body: np.ndarray | None = None) -> TPose | None:
     """The T-pose with which a motion begins; None if there is none.
 
     Parameters
     ----------
     motion : Motion
         At the rate of its file: resampling would blend the T-pose with the next frames.
+    body : (frames, 20, 3) array of float64, optional
+        Its `body_positions`, if they are computed already.
 
     Raises
     ------
@@ -70,7 +72,8 @@ def leading_t_pose(motion: Motion) -> TPose | None:
     start = motion.at(slice(frames))
     if frames < 4:
         return None
-    steps = np.linalg.norm(np.diff(body_positions(start), axis=0), axis=-1).mean(axis=1)
+    positions = body_positions(start) if body is None else body[:frames]
+    steps = np.linalg.norm(np.diff(positions, axis=0), axis=-1).mean(axis=1)
     jump = int(np.argmax(steps[: frames - 3]))
     before = float(steps[:jump].max(initial=0.0))
     for end in range(jump + 1, min(jump + 2 + round(BLEND_SECONDS * motion.rate), len(steps))):

@@ -12,12 +12,13 @@ import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Repaired
 from numpy_cae.cleanup.finding import LEFT_REASON
-from numpy_cae.cleanup.measures import Measures, measure_damage
+from numpy_cae.cleanup.measures import Measures, is_larger, measure_damage
 from numpy_cae.cleanup.presets import fitting_preset
 from numpy_cae.cleanup.words import (
     MOST_PRINTED,
     NOTHING_FOUND,
     count,
+    cuts_in_words,
     first_lines,
     joints_by_frames,
     joints_in_words,
@@ -202,6 +203,8 @@ def _sentences(repaired: Repaired) -> list[str]:
     """What was changed, and what a user should know about it."""
     changed = repaired.touched.any(axis=1).sum() / repaired.motion.rate
     sentences = [f"{changed:.1f} of {repaired.motion.seconds:.1f} s are changed"]
+    if repaired.cuts:
+        sentences.append(cuts_in_words(repaired.cuts))
     for status, number in Counter(finding.status for finding in repaired.proposed).items():
         sentences.append(f"{number} {NOT_DONE[status]}, since {REASONS[status]}")
     if not repaired.is_familiar:
@@ -222,11 +225,11 @@ def _advice(repaired: Repaired, command: str) -> list[str]:
 
 def _measures_in_words(before: Measures, after: Measures) -> list[tuple[str, str, str]]:
     """The name of each measure and its values before and after; a value after is marked if it is
-    worse: larger by more than 1% and 0.1."""
+    worse (`measures.is_larger`)."""
     rows = []
     for name, value, value_after in zip(MEASURE_NAMES, before, after, strict=True):
         text_after = f"{round(value_after, 1):.10g}"
-        if value_after > 1.01 * value + 0.1:
+        if is_larger(value, value_after):
             text_after += " (worse)"
         rows.append((name, f"{round(value, 1):.10g}", text_after))
     return rows

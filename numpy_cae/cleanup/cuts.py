@@ -1,0 +1,157 @@
+"""Cuts: frames at which another clip begins. Many deliveries are several clips in one file.
+
+At a cut all joints and the root change their pose from one frame to the next, by much more than in
+the steps around. Other things do so, too, and are no cut:
+
+- frames that were lost: the pose goes on in the direction and with the speed that it had;
+- frames that were repeated before (`freezes`): the motion has gone on meanwhile;
+- some frames of another pose: after them the pose is again what it was;
+- motion that jumps all the time.
+
+The parts between cuts are repaired as files of their own: nothing that is in one of them says what
+is right in another.
+"""
+
+from itertools import combinations
+
+import numpy as np
+
+from numpy_cae.cleanup.channels import STILL_METRES
+from numpy_cae.cleanup.view import View
+
+CUT_TO_NEIGHBOURS_RATIO = 2.0
+"""At a cut the step of a channel is longer than this times the steps before and after it."""
+CUT_SHARE = 0.5
+"""At a cut at least this share of the rotations that change make such a step. In takes of
+data_synth at 24 and 30 frames a second the share is at most 0.28, at cuts between them at least
+0.64 in 96%."""
+CUT_METRES = 0.03
+"""At a cut the joints move by more than this (m), in the mean, in the world or from the hips."""
+LOST_SHARE = 0.5
+"""Frames were lost, and there is no cut, if the step is foretold by the speeds before and after it
+but for this share of it."""
+LONGEST_LOST_SECONDS = 0.5
+"""At most so much of a motion was lost (s); where more is missing, another clip begins."""
+LATER_SHARE = 0.3
+"""Some frames have another pose, and there is no cut, if after them the pose differs from that
+before them by less than this share of the jump."""
+LONGEST_OTHER_SECONDS = 1.5
+"""Other poses of at most this time (s) are looked for, as by
+`displacements.LONGEST_DISPLACED_SECONDS`."""
+LONGEST_DROP_SECONDS = 1.0
+"""A pose that is repeated for longer than this time (s) is held on purpose."""
+DROP_RATIO = 3.0
+"""Frames were dropped if the jump after them is at most this times the way that the slower one of
+the motions before and after them takes in their time."""
+SHORTEST_CLIP_SECONDS = 0.3
+"""A clip lasts at least this time (s), or what begins there is noise."""
+
+
+def find_cuts(view: View) -> list[int]:
+    """The frames at which another clip begins.
+
+    Examples
+    --------
+    >>> from data_synth import make_body, make_take
+    >>> from numpy_cae.cleanup.result import join_motions
+    >>> body = make_body(1.75)
+    >>> walk = make_take("walk", 1, seconds=2.0, rate=30.0, body=body).motion
+    >>> squats = make_take("squats", 2, seconds=2.0, rate=30.0, body=body).motion
+    >>> find_cuts(View(walk)), find_cuts(View(join_motions(walk, squats)))
+    ([], [60])
+    """
+    if len(view) < 4:
+        return []
+    steps = np.array([channel.steps() for channel in view.channels if channel.is_rotation])
+    if not len(steps):
+        return []
+    padded = np.pad(steps, ((0, 0), (1, 1)))
+    neighbours = np.maximum(padded[:, :-2], padded[:, 2:])
+    is_long = steps > np.maximum(CUT_TO_NEIGHBOURS_RATIO * neighbours, STILL_METRES)
+    is_still = steps.mean(axis=0) <= STILL_METRES
+    cuts = []
+    for before in np.flatnonzero(is_long.mean(axis=0) >= CUT_SHARE).tolist():
+        if _changes_clip(view, is_still, before):
+            cuts.append(before + 1)
+    return _drop_noise(view, _drop_other_poses(view, cuts))
+
+
+def _changes_clip(view: View, is_still: np.ndarray, before: int) -> bool:
+    """Whether the pose after frame `before` is that of another clip: it is another, and neither
+    frames that were lost nor repeated ones explain it."""
+    after = before + 1
+    body = view.body
+    jump = body[after] - body[before]
+    if np.linalg.norm(jump, axis=-1).mean() < CUT_METRES:
+        return False
+    start = before
+    while start > 0 and is_still[start - 1]:
+        start -= 1
+    speed_before = body[start] - body[max(start - 1, 0)]
+    speed_after = body[min(after + 1, len(body) - 1)] - body[after]
+    frames = after - start
+    if start < before:
+        return not is_drop(frames, view.rate, jump, speed_before, speed_after)
+    speed = (speed_before + speed_after) / 2
+    most_lost = LONGEST_LOST_SECONDS * view.rate
+    return _surprises(jump, speed, most_lost) or _surprises(
+        jump - jump[:1], speed - speed[:1], most_lost
+    )
+
+
+def _surprises(jump: np.ndarray, speed: np.ndarray, most_lost: float) -> bool:
+    """Whether a jump of joints (N, 3) is a large one that their speed around does not foretell,
+    however many frames were lost, up to `most_lost`."""
+    if np.linalg.norm(jump, axis=-1).mean() < CUT_METRES:
+        return False
+    way = jump.ravel()
+    along = speed.ravel()
+    lost = np.clip(way @ along / max(along @ along, STILL_METRES**2), 0.0, most_lost)
+    return bool(np.linalg.norm(way - lost * along) > LOST_SHARE * np.linalg.norm(way))
+
+
+def is_drop(
+    frames: int, rate: float, jump: np.ndarray, speed_before: np.ndarray, speed_after: np.ndarray
+) -> bool:
+    """Whether frames that repeat a pose were dropped: the motion before them and after them is as
+    fast as what it made up by a jump. Else the pose was held, and what follows begins another.
+
+    Parameters
+    ----------
+    frames : int
+        How many steps of the motion the jump makes up for.
+    rate : float
+        Frames a second.
+    jump, speed_before, speed_after : (N, 3) array
+        The jump, and the steps from frame to frame before the pose stood still and after the jump,
+        in metres.
+    """
+    if frames > LONGEST_DROP_SECONDS * rate + 1:
+        return False
+    sizes = [np.linalg.norm(x, axis=-1).mean() for x in (jump, speed_before, speed_after)]
+    return bool(sizes[0] <= DROP_RATIO * frames * min(sizes[1:]))
+
+
+def _drop_other_poses(view: View, cuts: list[int]) -> list[int]:
+    """The cuts but for those between which some frames have another pose."""
+    dropped: set[int] = set()
+    for first, end in combinations(cuts, 2):
+        if end - first > LONGEST_OTHER_SECONDS * view.rate:
+            continue
+        jumps = [view.body[cut] - view.body[cut - 1] for cut in (first, end)]
+        smaller = min(np.linalg.norm(jump, axis=-1).mean() for jump in jumps)
+        remaining = view.body[end] - view.body[first - 1]
+        if np.linalg.norm(remaining, axis=-1).mean() < LATER_SHARE * smaller:
+            dropped |= {first, end}
+    return [cut for cut in cuts if cut not in dropped]
+
+
+def _drop_noise(view: View, cuts: list[int]) -> list[int]:
+    """The cuts between which clips last; without those next to which one does not."""
+    shortest = SHORTEST_CLIP_SECONDS * view.rate
+    ends = [0, *cuts, len(view)]
+    lasting = []
+    for before, cut, after in zip(ends, cuts, ends[2:], strict=False):
+        if cut - before >= shortest and after - cut >= shortest:
+            lasting.append(cut)
+    return lasting
