@@ -43,6 +43,9 @@ LONGEST_DROP_SECONDS = 1.0
 DROP_RATIO = 3.0
 """Frames were dropped if the jump after them is at most this times the way that the slower one of
 the motions before and after them takes in their time."""
+MEAN_CLIP_SECONDS = 1.0
+"""Where clips would last less than this time (s) in the mean, the motion jumps all the time, and
+has no cuts."""
 SHORTEST_CLIP_SECONDS = 0.3
 """A clip lasts at least this time (s), or what begins there is noise."""
 
@@ -147,7 +150,10 @@ def _drop_other_poses(view: View, cuts: list[int]) -> list[int]:
 
 
 def _drop_noise(view: View, cuts: list[int]) -> list[int]:
-    """The cuts between which clips last; without those next to which one does not."""
+    """The cuts between which clips last, without those next to which one does not; none if the
+    motion jumps all the time."""
+    if len(view) < MEAN_CLIP_SECONDS * view.rate * (len(cuts) + 1):
+        return []
     shortest = SHORTEST_CLIP_SECONDS * view.rate
     ends = [0, *cuts, len(view)]
     lasting = []
