@@ -35,11 +35,11 @@ def motion_html(motion: Motion) -> str:
 def repaired_html(repaired: Repaired) -> str:
     """What was changed, and the viewer with the motion before and after and the findings."""
     from numpy_cae import viz
+    from numpy_cae.cleanup.events import rows_of_events
     from numpy_cae.mocap import rig_of
 
     motion = repaired.motion
     before = repaired.original or motion
     actors = viz.before_and_after(before, motion, rig_of(before).joints)
-    findings = [finding.to_json() for finding in repaired.listed()]
-    player = viz.in_notebook(actors, motion.rate, findings)
+    player = viz.in_notebook(actors, motion.rate, rows_of_events(repaired.events()))
     return f"<pre>{escape(repr(repaired))}</pre>\n{player._repr_html_()}"

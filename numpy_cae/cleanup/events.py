@@ -4,7 +4,7 @@ swing. Wherever findings are listed, those of an event are together, the largest
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from numpy_cae.cleanup.finding import Finding
+from numpy_cae.cleanup.finding import STATUSES, Finding
 from numpy_cae.motion.joints import SIDES
 
 _JOINTS_OF_LIMBS = {
@@ -85,6 +85,24 @@ def group_findings(findings: Iterable[Finding]) -> list[Event]:
             groups.append(latest[limb])
     events = [_make_event(group) for group in groups]
     return sorted(events, key=lambda event: _size(event.largest))
+
+
+def list_events(findings: Sequence[Finding]) -> list[Event]:
+    """The events of what was repaired, then those of what was not changed, by the reason."""
+    events = []
+    for status in STATUSES:
+        events += group_findings(finding for finding in findings if finding.status == status)
+    return events
+
+
+def rows_of_events(events: Iterable[Event]) -> list[dict]:
+    """The findings of events in their order, as the viewer lists them: objects of a file of
+    findings, with the number and the place of the event."""
+    rows = []
+    for number, event in enumerate(events):
+        for finding in event.findings:
+            rows.append(finding.to_json() | {"event": number, "place": event.place})
+    return rows
 
 
 def _overlaps(group: Sequence[Finding], finding: Finding) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from numpy_cae.cleanup.channels import LEAST_LEVER_METRES
-from numpy_cae.cleanup.events import Event, group_findings
+from numpy_cae.cleanup.events import Event, list_events
 from numpy_cae.cleanup.finding import Finding, is_path
 from numpy_cae.cleanup.interpolation import mark_missing_joints
 from numpy_cae.cleanup.kinds import JITTER, MARKED, T_POSE
@@ -114,7 +114,7 @@ class Repaired:
 
     def events(self) -> list[Event]:
         """The events, the largest first; then those of what was not changed."""
-        return group_findings(self.findings) + group_findings(self.proposed)
+        return list_events([*self.findings, *self.proposed])
 
     def listed(self) -> list[Finding]:
         """The findings by their events: numbers 1, 2, … wherever they are listed."""

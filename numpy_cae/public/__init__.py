@@ -16,6 +16,7 @@ import numpy as np
 
 from numpy_cae import mocap, training, viz
 from numpy_cae.cleanup import Preset, Repaired, fill_motion, project_motion, repair_motion
+from numpy_cae.cleanup.events import list_events, rows_of_events
 from numpy_cae.cleanup.finding import Finding
 from numpy_cae.cleanup.mask_file import require_movable
 from numpy_cae.manifold import MotionManifold, learn_manifold
@@ -268,7 +269,7 @@ def show(
     else:
         expected = "expected two, before and after the repair that has the findings"
         raise ValueError(f"the number of motions is {len(loaded)}, {expected}")
-    rows = [finding.to_json() for finding in entries]
+    rows = rows_of_events(list_events(entries))
     rate = loaded[0].rate
     if path is None and running_shell():
         return viz.in_notebook(actors, rate, rows)

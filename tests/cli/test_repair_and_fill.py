@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+import shutil
 import sys
 from dataclasses import replace
 
@@ -201,4 +202,32 @@ def test_a_clean_file_comes_back_with_a_status_of_its_own_and_no_page(takes, tmp
     assert main(words) == 3
     assert "--from optical: sensitivity 0.5" in capsys.readouterr().out
     assert out.read_bytes() == (takes / "clean.bvh").read_bytes()
+    assert not out.with_suffix(".html").exists()
+
+
+def test_the_page_of_a_folder_has_unusable_files_first_and_clean_ones_folded(takes, tmp_path):
+    folder = tmp_path / "in"
+    shutil.copytree(takes, folder)
+    (folder / "bad.bvh").write_text("HIERARCHY\n")
+    out = tmp_path / "out"
+    assert main(["repair", str(folder), "-o", str(out), "--html"]) == 1
+    page = (out / "index.html").read_text("utf-8")
+    assert "<title>3 files: before and after</title>" in page
+    places = [page.index(text) for text in ("bad.bvh", "<th scope=col>", "spike.bvh", "<details>")]
+    assert places == sorted(places)
+    assert page.index("<details>") < page.index("clean.bvh")
+
+
+def test_a_pose_of_reference_that_stays_is_not_called_repaired(takes, tmp_path, capsys):
+    """Nothing is written differently, so that there is no page either."""
+    walk = load_motion(takes / "clean.bvh")
+    walk.rotations[:30, 1:] = (1.0, 0.0, 0.0, 0.0)
+    walk.translations[:30] = walk.translations[0]
+    source, found, out = tmp_path / "posed.bvh", tmp_path / "found.json", tmp_path / "out.bvh"
+    write_bvh(walk, source)
+    words = ["repair", str(source), "-o", str(out), "--html", "--findings", str(found)]
+    assert main(words) == 3
+    (finding,) = json.loads(found.read_text("utf-8"))
+    assert (finding["kind"], finding["status"]) == ("T-pose", "kept")
+    assert "0 findings\n" in capsys.readouterr().out
     assert not out.with_suffix(".html").exists()

@@ -52,7 +52,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--smooth", **arguments.FLAG, help="also remove jitter from the whole motion")
     add("--feet", **arguments.FLAG, help="also hold feet that stand still, on the floor")
     add("--project", **arguments.FLAG, help="project the whole motion onto the manifold instead")
-    only = "repair these findings only, by their numbers in the printed list and on the page"
+    only = (
+        "repair these findings only, proposals too, by their numbers in the printed list, on the "
+    )
+    only += "page and in the file of --findings"
     add("--only", nargs="+", type=arguments.positive_number, metavar="N", help=only)
 
 
@@ -113,8 +116,8 @@ def _preset(args: argparse.Namespace) -> Preset:
 
 
 def _only(numbers: list[int], repaired: Repaired) -> list[Finding]:
-    """The findings of these numbers."""
-    listed = repaired.listed()[: len(repaired.findings)]
+    """The findings of these numbers, which are to be repaired whatever their status."""
+    listed = repaired.listed()
     if max(numbers) > len(listed):
         raise ValueError(f"--only {max(numbers)}: there are {count(len(listed), 'finding')}")
-    return [listed[number - 1] for number in numbers]
+    return [replace(listed[number - 1], status="repaired") for number in numbers]

@@ -5,40 +5,24 @@ index of several.
 """
 
 import argparse
-import os
-import urllib.parse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from html import escape
 from pathlib import Path
-from string import Template
-from typing import NamedTuple
 
 import numpy as np
 
-from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cleanup import Repaired, write_findings
+from numpy_cae.cleanup.events import rows_of_events
 from numpy_cae.cleanup.words import count
 from numpy_cae.cli.shared import arguments, files
+from numpy_cae.cli.shared.index_page import Row, write_index
 from numpy_cae.cli.shared.summary import Numbers, Summary, details_in_words, measures_in_line
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.mocap import UnknownRigError, rig_of
 from numpy_cae.mocap.file_motion import FileMotion
 from numpy_cae.motion import Motion
-from numpy_cae.visible import visible
 from numpy_cae.viz import before_and_after, save_viewer
 from numpy_cae.viz.figures import strip_svg
-from numpy_cae.viz.viewer import page_text
-
-
-class Row(NamedTuple):
-    """What became of one file, for its line in the terminal and its row in the index."""
-
-    source: Path
-    numbers: Numbers
-    status: int
-    page: Path | None = None
-    strip: str = ""
 
 
 class Outcome:
@@ -95,10 +79,13 @@ class Outcome:
         if self.rows:
             columns = zip(*[row.numbers for row in self.rows], strict=True)
             sums = Numbers(*map(sum, columns))
+            clean = sum(row.is_clean for row in self.rows)
+            if clean:
+                print(f"{count(clean, 'file')} without a finding, not changed")
             print(f"{count(len(self.rows), 'file')}: {sums}")
             if self.args.html and not self.args.dry_run:
                 index = self.args.output / "index.html"
-                write_index(index, self.rows)
+                write_index(index, self.rows, self.unusable)
                 print(f"{index}: all of them; open it in a browser")
         if self.unusable:
             number = f"{len(self.unusable)} of {len(self.targets)}"
@@ -146,8 +133,8 @@ def write_page(
     if target is None or not outcome.args.html:
         return {}, row
     page = target.with_suffix(".html")
-    listed = repaired.listed()
-    if summary.status and not listed:
+    is_anything_shown = any(finding.status != "kept" for finding in repaired.listed())
+    if summary.status and not is_anything_shown:
         return {page: "not written, since nothing was changed"}, row
     actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
     save_viewer(
@@ -155,7 +142,7 @@ def write_page(
         page,
         motion.rate,
         overlaid=True,
-        findings=[finding.to_json() for finding in listed],
+        findings=rows_of_events(repaired.events()),
         summary=summary.sentences,
         measures=summary.measures,
         title=summary.title,
@@ -175,24 +162,8 @@ def write_file_of_findings(outcome: Outcome, source: Path, repaired: Repaired) -
         path.mkdir(parents=True, exist_ok=True)
         path = path / f"{source.stem}.json"
     write_findings(path, repaired.listed())
-    proposals = count(len(repaired.proposed), "proposal")
-    return {path: f"{count(len(repaired.findings), 'finding')}, {proposals}"}
-
-
-def write_index(page: Path, rows: Sequence[Row]) -> None:
-    """Write the page that lists all files, those with most frames that jump first."""
-    lines = []
-    for row in sorted(rows, key=lambda row: row.numbers[::-1], reverse=True):
-        name = escape(visible(row.source.name))
-        if row.page:
-            address = os.fsencode(row.page.relative_to(page.parent).as_posix())
-            name = f'<a href="{urllib.parse.quote(address)}">{name}</a>'
-        cells = "".join(f"<td>{escape(cell)}</td>" for cell in str(row.numbers).split(", "))
-        lines.append(f"<tr><th scope=row>{name}</th><td>{row.strip}</td>{cells}</tr>")
-    title = f"{count(len(rows), 'file')}: before and after"
-    text = Template(page_text("index.html")).substitute(title=title, rows="\n".join(lines))
-    with atomic_write(page) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    unchanged = f"{len(repaired.proposed)} not changed"
+    return {path: f"{count(len(repaired.findings), 'finding')}, {unchanged}"}
 
 
 def print_summary(
@@ -203,9 +174,11 @@ def print_summary(
     summary: Summary,
     written: dict[Path, str],
 ) -> None:
-    """Print what was changed in a file: of several files its numbers."""
+    """Print what was changed in a file: of several files its numbers, unless it is clean, which
+    `Outcome.end` says."""
     if not outcome.is_single:
-        print(f"{source}: {summary.numbers}")
+        if not Row(source, summary.numbers, summary.status).is_clean:
+            print(f"{source}: {summary.numbers}")
         return
     lines = list(summary.sentences)
     if summary.measures:

@@ -2,7 +2,7 @@
 
 import argparse
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Repaired
-from numpy_cae.cleanup.finding import LEFT_REASON
+from numpy_cae.cleanup.events import Event
+from numpy_cae.cleanup.finding import KEPT_REASON, LEFT_REASON
 from numpy_cae.cleanup.measures import Measures, is_larger, measure_damage
 from numpy_cae.cleanup.presets import fitting_preset
 from numpy_cae.cleanup.words import (
@@ -19,7 +20,6 @@ from numpy_cae.cleanup.words import (
     NOTHING_FOUND,
     count,
     cuts_in_words,
-    first_lines,
     joints_by_frames,
     joints_in_words,
 )
@@ -33,10 +33,17 @@ TRY = (
     "joints (`numpy-cae rig`), name what is damaged (--joint, --frames), or where the motion is "
     "from (--from)"
 )
-ANYWAY = 'to repair some anyway: --findings f.json, add "accept": true to them, then --mask f.json'
-NOT_DONE = {"proposed": "proposed, not changed", "left": "found, left alone"}
+ANYWAY = (
+    "to repair one of them anyway: --only and its number; with the rest: --findings f.json, "
+    'add "accept": true to it, then --mask f.json'
+)
+NOT_DONE = {
+    "proposed": "proposed, not changed",
+    "left": "found, left alone",
+    "kept": "kept as it is",
+}
 """What is said of findings of a status that were not repaired."""
-REASONS = {"proposed": "not certain enough", "left": LEFT_REASON}
+REASONS = {"proposed": "not certain enough", "left": LEFT_REASON, "kept": KEPT_REASON}
 """Why findings of a status were not repaired."""
 FITS = {"video": "shakes and whose feet slide", "suit": "begins with a pose of reference"}
 """The motion that a preset fits which `fitting_preset` names."""
@@ -52,6 +59,7 @@ class Numbers(NamedTuple):
     Parameters
     ----------
     findings : int
+    proposals : int
     changed, seconds : float
         Seconds that were changed, and all seconds.
     jumps, jumps_after : float
@@ -59,6 +67,7 @@ class Numbers(NamedTuple):
     """
 
     findings: int
+    proposals: int
     changed: float
     seconds: float
     jumps: float
@@ -69,6 +78,8 @@ class Numbers(NamedTuple):
         parts = []
         if self.findings or not self.changed:
             parts.append(count(self.findings, "finding"))
+        if self.proposals:
+            parts.append(count(self.proposals, "proposal"))
         parts.append(f"{self.changed:.1f} of {self.seconds:.1f} s changed")
         parts.append(f"frames with a jump {self.jumps:.0f} → {self.jumps_after:.0f}")
         return ", ".join(parts)
@@ -144,20 +155,55 @@ def asks_for_more(args: argparse.Namespace) -> bool:
 
 
 def details_in_words(repaired: Repaired) -> list[str]:
-    """The largest findings with their numbers, and what is not changed; without any, the joints."""
-    listed = repaired.listed()
-    if not listed:
+    """The largest events with the numbers of their findings, then what is not changed; without any,
+    the joints."""
+    if not repaired.listed():
         return repr(repaired).splitlines() if repaired.touched.any() else []
-    numbered = enumerate(listed[: len(repaired.findings)], start=1)
-    lines = first_lines([f"{number}. {finding}" for number, finding in numbered])
-    for status, name in NOT_DONE.items():
-        of_status = [finding for finding in listed if finding.status == status]
-        if of_status:
-            # Without the status, whose reason is printed once, above.
-            texts = [f"  {replace(finding, status='repaired')}" for finding in of_status]
-            lines += [f"{name}:", *first_lines(texts)]
-    if repaired.proposed:
+    mended = []
+    unchanged: dict[str, list[list[str]]] = {}
+    for event, numbers in _numbered_events(repaired):
+        if event.largest.is_repaired:
+            mended.append(_event_in_words(event, numbers))
+        else:
+            texts = [replace(finding, status="repaired") for finding in event.findings]
+            unchanged.setdefault(event.largest.status, []).append(
+                # Without the status, whose reason is printed once, above.
+                _event_in_words(replace(event, findings=tuple(texts)), numbers)
+            )
+    lines = _first_events(mended)
+    for status, events in unchanged.items():
+        lines.append(f"{NOT_DONE[status]}:")
+        lines += [f"  {line}" for line in _first_events(events)]
+    if unchanged.keys() - {"kept"}:
         lines.append(ANYWAY)
+    return lines
+
+
+def _numbered_events(repaired: Repaired) -> Iterator[tuple[Event, range]]:
+    """The events with the numbers of their findings, which count from 1."""
+    start = 1
+    for event in repaired.events():
+        yield event, range(start, start + len(event.findings))
+        start += len(event.findings)
+
+
+def _event_in_words(event: Event, numbers: range) -> list[str]:
+    """A line for each finding; of several, after one for the event."""
+    lines = []
+    for number, finding in zip(numbers, event.findings, strict=True):
+        lines.append(f"{number}. {finding}")
+    if len(lines) == 1:
+        return lines
+    return [f"{event}", *[f"  {line}" for line in lines]]
+
+
+def _first_events(events: Sequence[list[str]]) -> list[str]:
+    """The lines of the first events, and how many more there are."""
+    lines = []
+    for event in events[:MOST_PRINTED]:
+        lines += event
+    if len(events) > MOST_PRINTED:
+        lines.append(f"  and {len(events) - MOST_PRINTED} more")
     return lines
 
 
@@ -187,7 +233,9 @@ def command_of(args: argparse.Namespace, source: Path, target: Path) -> str:
 def _numbers(motion: Motion, repaired: Repaired, before: Measures, after: Measures) -> Numbers:
     changed = np.count_nonzero(repaired.touched.any(axis=1)) / motion.rate
     seconds = repaired.motion.seconds
-    return Numbers(len(repaired.findings), changed, seconds, before.jumps, after.jumps)
+    findings = len(repaired.findings)
+    proposals = sum(finding.status == "proposed" for finding in repaired.proposed)
+    return Numbers(findings, proposals, changed, seconds, before.jumps, after.jumps)
 
 
 def _findings_by_kind(repaired: Repaired) -> str:
