@@ -6,7 +6,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "data_synth/README.md", "docs/own_operation.md", "docs/verify.md")
+PAGES = (
+    "README.md",
+    "data_synth/README.md",
+    "docs/own_operation.md",
+    "docs/reproduce_the_paper.md",
+    "docs/verify.md",
+)
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
 
