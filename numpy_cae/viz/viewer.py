@@ -28,7 +28,7 @@ from numpy_cae.viz.actor import Actor
 
 _FOLDER = files("numpy_cae.viz") / "viewer_page"
 _MODULES = {"three": "three/three.module.min.js", "three-orbit-controls": "three/OrbitControls.js"}
-_SCRIPTS = ("data", "figure", "stage", "timeline", "findings", "viewer")
+_SCRIPTS = ("data", "trail", "figure", "stage", "timeline", "findings", "film", "viewer")
 _MODULES |= {f"motion-{script}": f"{script}.js" for script in _SCRIPTS}
 """Name by which a script imports another, and its file."""
 _STEP = 4e-4
@@ -135,7 +135,8 @@ def fragment(
         Start with all motions in one place instead of side by side. The first is translucent.
     findings : sequence of dict
         What the page lists as damaged: "joint", "frames" (first and last), and optionally "kind",
-        "evidence", "cm", "confidence" (0 to 1) and "status".
+        "evidence", "cm", "mover", "confidence" (0 to 1) and "status"; "event" and "place" of those
+        that are listed as one (`cleanup.events.rows_of_events`).
     command : str
         A command line that repairs everything, into a file whose name ends in "_finding_0". The
         page writes the number of a finding there, and adds --only.

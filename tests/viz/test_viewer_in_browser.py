@@ -19,8 +19,8 @@ HEAD_ON_SCREEN = """viewer => {
 }"""
 FOUND = [
     {"joint": "ltibia", "frames": [30, 45], "kind": "frozen", "cm": 131.2, "confidence": 0.9},
-    {"joint": "body", "frames": [60, 60], "kind": "spike", "cm": 1.25, "status": "proposed"},
     {"joint": "lwrist", "frames": [50, 60], "kind": "frozen", "cm": 12.0},
+    {"joint": "body", "frames": [60, 60], "kind": "spike", "cm": 1.25, "status": "proposed"},
     {"joint": "lwrist", "frames": [70, 71], "kind": "jumps", "status": "left"},
 ]
 
@@ -87,9 +87,10 @@ def test_the_address_names_a_frame(page):
 
 
 def test_a_finding_leads_to_its_frames_and_its_command(page):
-    """The details are below the finding; a command for those that are kept, and for it alone. The
-    curve is of the joint below it that moved furthest."""
+    """The details are beside the list, on a phone below its line; a command for those that are
+    kept, and for it alone. The curve is of the joint below it that moved furthest."""
     viewer, code = viewer_of(page), page.locator(".findings code:visible")
+    detail = page.locator(".findings .detail")
     rows = page.locator(".findings li")
     first, proposal = rows.first, rows.nth(2)
     assert page.locator("h2").last.inner_text() == "1 found, left alone"
@@ -97,14 +98,38 @@ def test_a_finding_leads_to_its_frames_and_its_command(page):
     assert viewer.evaluate("viewer => [viewer.frame, viewer.loop]") == [30, [20, 55]]
     mover = re.search(r"frames 30 to 45 · frozen · the (l\w+) moves 131 cm", first.inner_text())[1]
     assert page.get_by_label("curve of").input_value() == mover
-    assert "Confidence 90%" in first.inner_text()
-    first.locator("summary").click()
+    assert "Confidence 90%" in detail.inner_text()
+    assert first.locator(".detail").count() == int(page.viewport_size["width"] < 500)
+    detail.locator("summary").click()
     assert code.inner_text() == "numpy-cae repair a.bvh -o b_finding_1.bvh --only 1"
-    first.get_by_label("keep this repair").uncheck()
+    detail.get_by_label("keep this repair").uncheck()
     assert code.first.inner_text() == "numpy-cae repair a.bvh -o b_kept.bvh --only 2"
-    first.get_by_label("keep this repair").check()
+    detail.get_by_label("keep this repair").check()
     proposal.locator("button").first.click()
-    assert code.inner_text() == "numpy-cae repair a.bvh -o b_proposal.bvh --frames 60 60"
+    assert code.inner_text() == "numpy-cae repair a.bvh -o b_finding_3.bvh --only 3"
+
+
+def test_the_chosen_joint_is_drawn_five_frames_before_and_after(page, motions):
+    page.locator("label", has_text="overlay").locator("input").check()
+    page.get_by_label("curve of").select_option("lwrist")
+    trails = viewer_of(page).evaluate("""viewer => {
+        viewer.scrub(50);
+        return viewer.stage.figures.map(({ trail }) => [0, 10].map((skin) =>
+            [...trail.balls.instanceMatrix.array.slice(16 * skin + 12, 16 * skin + 15)]));
+    }""")
+    for shown, motion in zip(trails, motions, strict=True):
+        wrist = motion.skeleton.index("lwrist")
+        np.testing.assert_allclose(shown, motion.positions()[[45, 55], wrist], atol=1e-3)
+
+
+def test_a_film_of_the_loop_is_saved(page):
+    viewer_of(page).evaluate("viewer => { viewer.mark(0, 3); viewer.mark(1, 9); }")
+    with page.expect_download(timeout=60_000) as download:
+        page.get_by_title("film", exact=False).click()
+    assert download.value.suggested_filename == "walk_0_walk_1.webm"
+    with open(download.value.path(), "rb") as film:
+        assert film.read(4) == b"\x1aE\xdf\xa3"  # as every WebM file begins
+    page.keyboard.press("c")
 
 
 def test_equal_bodies_look_equal_side_by_side(page):
@@ -207,3 +232,26 @@ def test_bodies_stay_in_the_picture_where_it_becomes_narrow(changed):
         pane.figures[0].points.map((_, joint) =>
             (stage.onScreen(pane, pane.figures[0], joint)[0] - pane.left) / pane.width))""")
     assert 0 < min(across) and max(across) < 1
+
+
+def test_findings_of_an_event_are_one_line_that_unfolds(browser, motions, tmp_path):
+    first = motion_actor(motions[0], "before")
+    findings = [
+        {"joint": "lwrist", "frames": [19, 83], "kind": "frozen", "event": 0, "place": "left arm"},
+        {"joint": "lradius", "frames": [28, 73], "kind": "frozen", "event": 0, "place": "left arm"},
+        {"joint": "rwrist", "frames": [50, 60], "kind": "frozen", "event": 1, "place": "rwrist"},
+    ]
+    path = tmp_path / "events.html"
+    save_viewer([first], path, 30.0, findings=findings)
+    opened = browser.new_page(viewport={"width": 1200, "height": 700})
+    opened.goto(path.as_uri())
+    opened.wait_for_function("window.motionViewers?.()[0]?.frame > 0", timeout=60_000)
+    summary = opened.locator(".event summary")
+    assert summary.count() == 1
+    assert "left arm" in summary.inner_text() and "frames 19 to 83" in summary.inner_text()
+    buttons = opened.locator(".findings ol button")
+    assert buttons.nth(1).is_visible()  # the event of the finding with which the page begins
+    summary.click()
+    assert [buttons.nth(number).is_visible() for number in range(3)] == [False, False, True]
+    assert buttons.nth(2).inner_text().startswith("3. rwrist")
+    opened.close()

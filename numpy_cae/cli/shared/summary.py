@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Repaired
-from numpy_cae.cleanup.events import Event
+from numpy_cae.cleanup.events import Event, group_findings
 from numpy_cae.cleanup.finding import KEPT_REASON, LEFT_REASON
 from numpy_cae.cleanup.measures import Measures, is_larger, measure_damage
 from numpy_cae.cleanup.presets import fitting_preset
@@ -239,11 +239,14 @@ def _numbers(motion: Motion, repaired: Repaired, before: Measures, after: Measur
 
 
 def _findings_by_kind(repaired: Repaired) -> str:
-    """How many findings were mended, and of which kinds."""
+    """How many findings were mended, of which kinds, in how many events if these are fewer."""
     text = count(len(repaired.findings), "finding")
     numbers = Counter(finding.kind for finding in repaired.findings)
     if numbers:
         text += ": " + ", ".join(f"{kind} {number}" for kind, number in numbers.most_common())
+    events = len(group_findings(repaired.findings))
+    if events < len(repaired.findings):
+        text += f"; {count(events, 'event')}"
     return text
 
 

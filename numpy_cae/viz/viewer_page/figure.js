@@ -1,6 +1,7 @@
 // One body: a ball for each joint, a cylinder for each bone, a shadow, its path and its planted feet.
 import * as THREE from "three";
 import { jointPosition } from "motion-data";
+import { Trail } from "motion-trail";
 
 const CHANGED = new THREE.Color("#d62728"); // a joint at the upper end of the scale of distances or beyond
 const NEAR = new THREE.Color("#8d97a1"); // a joint below the lower end
@@ -51,7 +52,8 @@ export class Figure {
     this.feet = this.mesh(new THREE.RingGeometry(2.2, 3.4, 24).rotateX(-Math.PI / 2), motion.planted.size,
       new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }));
     this.path = this.pathLine();
-    this.body.add(this.balls, this.bones);
+    this.trail = new Trail(motion);
+    this.body.add(this.balls, this.bones, this.trail.group);
     this.ground.add(this.shadow, this.feet);
     this.group.add(this.body, this.ground, this.path);
     this.points = Array.from({ length: motion.joints }, () => new THREE.Vector3());
@@ -83,6 +85,7 @@ export class Figure {
     const own = this.own = new THREE.Color(this.motion.colour).lerp(WHITE, onDark && !this.motion.moved ? 0.2 : 0);
     this.dark.color.copy(shadow);
     this.path.material.color.copy(own);
+    this.trail.setColour(own);
     this.feet.material.color.copy(own).lerp(onDark ? WHITE : BLACK, 0.3);
   }
 
@@ -129,6 +132,7 @@ export class Figure {
       size.setScalar(frames[frame] ? motion.radius : 0);
       this.feet.setMatrixAt(number, matrix.compose(place, turn.identity(), size));
     });
+    this.trail.show(frame);
     this.feet.instanceMatrix.needsUpdate = true;
     for (const mesh of [this.balls, this.bones]) mesh.instanceMatrix.needsUpdate = mesh.instanceColor.needsUpdate = true;
   }

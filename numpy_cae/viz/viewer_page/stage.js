@@ -72,6 +72,13 @@ export class Stage {
     this.show(this.frame);
   }
 
+  // Show the joint of that name in the frames around, in all bodies that have it; "" hides it.
+  setTrail(name) {
+    this.trailed = name;
+    this.figures.forEach((figure) => figure.trail.setJoint(name));
+    this.show(this.frame);
+  }
+
   arrange(overlaid, follow) {
     Object.assign(this, { overlaid, follow });
     const seen = this.visible();

@@ -3,6 +3,7 @@
 // the data.
 import { Stage, isSoftware } from "motion-stage";
 import { CURVES, Timeline } from "motion-timeline";
+import { Film, canFilm, download } from "motion-film";
 import { FindingsPanel } from "motion-findings";
 import { centimetres, distance, readMotions } from "motion-data";
 import { levelColour } from "motion-figure";
@@ -18,7 +19,8 @@ const HELP = {
 };
 const NOTES = "Frames are those of the file, counted from 0. A square of the floor is 1 m; x and z are its directions. " +
   "The left side of a body is lighter, the right side darker; a body in the colours of a distance has no such sides, and is " +
-  "thicker where it is further away. Rings mark feet that stand. The line on the floor is the path of the hips.";
+  "thicker where it is further away. Rings mark feet that stand. The line on the floor is the path of the hips. A click on a " +
+  "joint shows its curve, and where it is five frames before and after.";
 
 function element(parent, tag, properties = {}) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -119,6 +121,8 @@ class Viewer {
     this.jointSelect = this.select(bar, "curve of", [["", "no joint"], ...names], () => this.setCurve());
     this.quantity = this.select(bar, "curve shows", Object.keys(CURVES).map((name) => [name, name]), () => this.setCurve());
     this.quantity.parentElement.hidden = true;
+    this.filmButton = this.button(bar, "film", "film: save what is repeated as a WebM file", () => this.toggleFilm());
+    this.filmButton.hidden = !canFilm();
     this.helpButton = this.button(bar, "?", "?: help", () => this.toggleHelp());
     this.helpButton.ariaExpanded = "false";
     this.mark();
@@ -190,6 +194,23 @@ class Viewer {
     actions[event.key]();
   }
 
+  // Record what is repeated, once from its start, or end the film that is being recorded.
+  toggleFilm() {
+    if (this.film) {
+      this.film.stop();
+      return;
+    }
+    this.go(this.loop?.[0] ?? 0);
+    this.setPlaying(true);
+    const name = document.title.replace(/[^\p{L}\p{N}]+/gu, "_") || "motion";
+    this.film = new Film(this.canvas, (file) => {
+      this.film = null;
+      this.filmButton.textContent = "film";
+      download(file, `${name}.webm`);
+    });
+    this.filmButton.textContent = "end film";
+  }
+
   wholeFrame() {
     return Math.floor(this.frame);
   }
@@ -219,6 +240,7 @@ class Viewer {
   setCurve() {
     this.quantity.parentElement.hidden = !this.jointSelect.value;
     this.timeline.setCurve(this.jointSelect.value, this.quantity.value);
+    this.stage.setTrail(this.jointSelect.value);
     this.drawTimeline();
   }
 
@@ -329,10 +351,12 @@ class Viewer {
       const [first, last] = this.loop ?? [0, this.frames - 1];
       const next = this.frame + seconds * this.rate * this.speed;
       const before = this.wholeFrame();
+      if (next >= last + 1) this.film?.stop();
       this.frame = next >= last + 1 || next < first ? first : next;
       if (this.wholeFrame() !== before) this.go(this.frame);
       this.measure(seconds);
     }
+    if (this.film) this.stage.changed = true;
     this.stage.draw();
     this.request = requestAnimationFrame(this.tick);
   }
@@ -342,7 +366,7 @@ class Viewer {
   measure(seconds) {
     this.times = seconds ? [...this.times ?? [], seconds] : [];
     const passed = this.times.reduce((sum, each) => sum + each, 0);
-    if (passed < 2) return;
+    if (passed < 2 || this.film) return;
     this.fps = this.times.length / passed;
     this.times = [];
     if (this.fps < SLOW && this.lighter < 2) this.tooHeavy[this.lighter] += 1;
@@ -369,6 +393,7 @@ class Viewer {
     this.canvas.replaceWith(canvas);
     this.canvas = canvas;
     this.stage = new Stage(canvas, this.motions, light);
+    this.stage.setTrail(this.jointSelect.value);
     this.recolour();
     this.arrange();
     this.stage.camera.position.copy(camera.position);
@@ -383,6 +408,7 @@ class Viewer {
   dispose() {
     this.box.leftAt = this.frame;
     cancelAnimationFrame(this.request);
+    this.film?.stop();
     this.ended.abort();
     this.themed.disconnect();
     this.resized.disconnect();
