@@ -4,7 +4,8 @@ The folder `known_mistakes` has a text file for each exercise: patches of its so
 of `numpy_cae.verify.operations.patch`.
 """
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -23,6 +24,8 @@ FOLDER = Path(__file__).parent / "known_mistakes"
 SHOWN_BY = {VERDICTS.operation: VERDICTS}
 """What shows which mistake an exercise has, where a property that fails does not."""
 
+SHAPE = re.compile(r"\(\d+,(?:\d+,?)*\)")
+"""A shape in the message of an error, as NumPy writes it: (1,2,3)."""
 Observation = list[np.ndarray]
 Observe = Callable[[Property, Callable, Case], Observation]
 
@@ -62,34 +65,40 @@ def likely_mistake(tested: Property, implementation: Callable, exercise: Exercis
     the mistake is caught, too.
     """
     property_named = {prop.name: prop for prop in exercise.properties}
-    cases = tested.cases()
     for observe in (_observe_one_call, _observe_every_call):
-        observations = [observe(tested, implementation, case) for case in cases]
-        right = [observe(tested, exercise.solution, case) for case in cases]
-        differ = [not same(*pair) for pair in zip(observations, right, strict=True)]
-        if sum(differ) < SEVERAL:
-            continue  # it fails with other arguments, which the check makes of the case's
-        for patch in patches_of(tested.operation):
-            wrong = wrong_function(patch, exercise.solution)
-            if _does_the_same(wrong, tested, cases, observe, observations):
-                caught_by = property_named[patch.caught_by]
-                if failing_case(caught_by, implementation) is not None:
-                    return patch.sentence
+        for patch in _patches_that_do_the_same(tested, implementation, exercise, observe):
+            caught_by = property_named[patch.caught_by]
+            if failing_case(caught_by, implementation) is not None:
+                return patch.sentence
     return ""
 
 
-def _does_the_same(
-    wrong: Callable,
-    tested: Property,
-    cases: Sequence[Case],
-    observe: Observe,
-    observations: Sequence[Observation],
-) -> bool:
-    """Whether a wrong function does in every case what was observed."""
-    for case, observation in zip(cases, observations, strict=True):
-        if not same(observation, observe(tested, wrong, case)):
-            return False
-    return True
+def _patches_that_do_the_same(
+    tested: Property, implementation: Callable, exercise: Exercise, observe: Observe
+) -> list[Patch]:
+    """The known mistakes with which the solution does what an implementation does in every case.
+
+    None, where the solution itself does so in all cases but a few. The cases are tried one by one,
+    smallest arrays first, and only with the mistakes that are left: an unknown mistake, of which
+    none is left after a case or two, is told as fast as a right answer.
+    """
+    patches = list(patches_of(tested.operation))
+    cases_that_differ = 0
+    for case in tested.cases():
+        if not patches:
+            return []
+        observation = observe(tested, implementation, case)
+        doing_the_same = []
+        for patch in patches:
+            wrong = wrong_function(patch, exercise.solution)
+            if same(observation, observe(tested, wrong, case)):
+                doing_the_same.append(patch)
+        patches = doing_the_same
+        if patches and not same(observation, observe(tested, exercise.solution, case)):
+            cases_that_differ += 1
+    if cases_that_differ < SEVERAL:
+        return []  # it fails with other arguments, which the check makes of the case's
+    return patches
 
 
 def _observe_one_call(tested: Property, function: Callable, case: Case) -> Observation:
@@ -120,6 +129,12 @@ def _observe_every_call(tested: Property, function: Callable, case: Case) -> Obs
 
 
 def _as_array(error: BaseException) -> np.ndarray:
-    """The error by its type and text; of an AssertionError, the text is the student's own."""
-    is_own = isinstance(error, AssertionError)
-    return np.array(type(error).__name__ if is_own else repr(error))
+    """The error by its type and text; of an AssertionError, the text is the student's own.
+
+    Where the text names shapes, those count: their order is that of two summands.
+    """
+    name = type(error).__name__
+    if isinstance(error, AssertionError):
+        return np.array(name)
+    shapes = sorted(SHAPE.findall(str(error)))
+    return np.array(f"{name} {shapes}" if shapes else repr(error))
