@@ -1,6 +1,8 @@
 """The functions of `import numpy_cae`, and how motions show themselves in a notebook."""
 
 import ast
+import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -52,7 +54,7 @@ def test_a_motion_is_loaded_repaired_shown_and_saved_as_it_came_in(take, tmp_pat
     assert load_motion(tmp_path / "slower.bvh").rate == 30
 
     assert numpy_cae.show(motion, fixed, path=tmp_path / "page.html") is None
-    assert "motion 2" in (tmp_path / "page.html").read_text()
+    assert "<title>before, after</title>" in (tmp_path / "page.html").read_text()
     numpy_cae.show(motion, fixed, labels=["a", "b"], findings=repaired.findings, path="l.html")
     assert "<title>a, b" in Path("l.html").read_text()
     opened = []
@@ -214,6 +216,31 @@ def test_findings_are_shown_from_the_json_file(take, tmp_path):
     page = tmp_path / "page.html"
     numpy_cae.show(take, repaired.motion, findings=tmp_path / "found.json", path=page)
     assert "<title>before, after" in page.read_text() and '"kind": "' in page.read_text()
+
+
+def packed_motions(page):
+    """The motions of a page, as they are packed in it."""
+    text = page.read_text("utf-8")
+    return json.loads(re.search(r"viewer-data[^>]*>(.*?)</script>", text)[1])["motions"]
+
+
+def test_only_versions_of_one_file_are_coloured_by_distance(take, tmp_path):
+    """Not two motions that have as many frames by chance."""
+    page = tmp_path / "page.html"
+    paths = [tmp_path / name for name in ("one.bvh", "other.bvh")]
+    for path in paths:
+        numpy_cae.save(take, path)
+    numpy_cae.show(*paths, path=page)
+    assert [(shown["label"], "moved" in shown) for shown in packed_motions(page)] == [
+        ("one.bvh", False),
+        ("other.bvh", False),
+    ]
+    motion = numpy_cae.load(paths[0])
+    numpy_cae.show(motion, numpy_cae.repair(motion).motion, path=page)
+    assert [(shown["label"], "moved" in shown) for shown in packed_motions(page)] == [
+        ("before", False),
+        ("after", True),
+    ]
 
 
 def test_showing_nothing_or_findings_of_one_motion_says_what_is_expected(take):

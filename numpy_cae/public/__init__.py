@@ -226,10 +226,11 @@ def show(
     Parameters
     ----------
     *motions : Motion or path
-        Of any rigs. Frames are those of the first motion; others are taken to its rate. Joints of
-        a motion with the joints and frames of the first are coloured by their distance from it.
+        Of any rigs. Frames are those of the first motion; others are taken to its rate. Two that
+        were made of one file, such as `show(motion, repaired.motion)`, are "before" and "after":
+        joints of the second are coloured by their distance from the first.
     labels : str or several
-        A name for each motion; by default the name of its file, where a path is given.
+        A name for each motion; by default that of its file, if it was read from one.
     findings : as in `numpy_cae.repair`
         Of a repair, as in `show(motion, repaired.motion, findings=repaired.findings)`: the two
         motions are overlaid, as their twenty joints, beside a list of the findings.
@@ -258,11 +259,12 @@ def show(
         raise ValueError("motions: there is none to show, expected at least one")
     loaded = [to_motion(motion, "motions") for motion in motions]
     entries = to_findings(findings, loaded[0])
-    names = to_strings(labels, "labels") or _labels(motions, bool(entries))
+    is_compared = bool(entries) or _are_of_one_file(loaded)
+    names = to_strings(labels, "labels") or _labels(loaded, is_compared)
     if len(names) != len(loaded):
         raise ValueError(f"there are {len(names)} labels for {len(loaded)} motions")
     if not entries:
-        actors = viz.side_by_side(loaded, names)
+        actors = viz.side_by_side(loaded, names, is_compared)
     elif len(loaded) == 2:
         before, after = loaded
         actors = viz.before_and_after(before, after, rig_of(before).joints, names)
@@ -280,13 +282,22 @@ def show(
     return None
 
 
-def _labels(motions: Sequence[Motion | FilePath], before_and_after: bool) -> list[str]:
+def _are_of_one_file(motions: Sequence[Motion]) -> bool:
+    """Whether the motions are two that were made of one file, such as before and after a repair."""
+    sources = [motion.source for motion in motions if isinstance(motion, FileMotion)]
+    return len(motions) == len(sources) == 2 and sources[0] == sources[1]
+
+
+def _labels(motions: Sequence[Motion], before_and_after: bool) -> list[str]:
     """The labels of motions that the user has given none."""
     if before_and_after:
         return ["before", "after"][: len(motions)]
     labels = []
     for number, motion in enumerate(motions, start=1):
-        labels.append(f"motion {number}" if isinstance(motion, Motion) else Path(motion).name)
+        if isinstance(motion, FileMotion):
+            labels.append(motion.source.name)
+        else:
+            labels.append(f"motion {number}")
     return labels
 
 

@@ -85,16 +85,23 @@ def motion_actor(
     return Actor(positions[:, first:], parents, label, colour, names)
 
 
-def side_by_side(motions: Sequence[Motion], labels: Sequence[str]) -> list[Actor]:
-    """Motions of any rigs at the rate of the first, each in a colour of its own, compared with the
-    first."""
+def side_by_side(
+    motions: Sequence[Motion], labels: Sequence[str], compared: bool = False
+) -> list[Actor]:
+    """Motions of any rigs at the rate of the first, each in a colour of its own.
+
+    Only where `compared` says that they are versions of one motion are they coloured by their
+    distances from the first: two motions of one rig may have as many frames by chance.
+    """
     colours = [PROJECTED] if len(motions) == 1 else [CORRUPTED, PROJECTED, TRUTH, PLAIN]
     rate = motions[0].rate
     actors = [
         motion_actor(motion, label, colour, rate)
         for motion, label, colour in zip(motions, labels, cycle(colours), strict=False)
     ]
-    return [measure_distances(actor, actors[0]) for actor in actors]
+    if compared:
+        return [measure_distances(actor, actors[0]) for actor in actors]
+    return actors
 
 
 Motions = Mapping[str, tuple[np.ndarray, str]]

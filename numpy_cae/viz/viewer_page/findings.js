@@ -89,7 +89,7 @@ export class FindingsPanel {
     const ends = [Math.min(...frames.map(([first]) => first)), Math.max(...frames.map(([, last]) => last))];
     const summary = this.element(fold, "summary");
     this.element(summary, "b", { textContent: spaced(largest.finding.place) });
-    const parts = [framesOf(ends), `${rows.length} joints or kinds`, movement(largest.finding, largest.mover)];
+    const parts = [framesOf(ends), `${rows.length} findings`, movement(largest.finding, largest.mover)];
     this.element(summary, "span", { textContent: parts.filter(Boolean).join(" \u00b7 ") });
     const inner = this.element(fold, "ol");
     rows.forEach((row) => {
