@@ -54,7 +54,7 @@ def test_a_motion_is_loaded_repaired_shown_and_saved_as_it_came_in(take, tmp_pat
     assert load_motion(tmp_path / "slower.bvh").rate == 30
 
     assert numpy_cae.show(motion, fixed, path=tmp_path / "page.html") is None
-    assert "<title>before, after</title>" in (tmp_path / "page.html").read_text()
+    assert f"<title>{take.name}, fixed.bvh</title>" in (tmp_path / "page.html").read_text()
     numpy_cae.show(motion, fixed, labels=["a", "b"], findings=repaired.findings, path="l.html")
     assert "<title>a, b" in Path("l.html").read_text()
     opened = []

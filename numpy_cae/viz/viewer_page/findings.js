@@ -131,6 +131,12 @@ export class FindingsPanel {
     else this.list.after(this.pane);
   }
 
+  // On paper every event is unfolded; afterwards those that were folded are so again.
+  unfold(isPrinted) {
+    if (isPrinted) this.folded = [...this.list.querySelectorAll(".event:not([open])")];
+    this.folded?.forEach((fold) => { fold.open = isPrinted; });
+  }
+
   fill({ finding, number, moved }) {
     const { pane } = this, { evidence, confidence } = finding;
     const sure = confidence === undefined ? "" : `Confidence ${Math.round(100 * confidence)}%.`;

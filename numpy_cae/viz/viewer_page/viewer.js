@@ -296,6 +296,7 @@ class Viewer {
   recolourForPaper(kind) {
     const printed = document.documentElement.classList.toggle("printed", kind === "beforeprint");
     this.canvas.hidden = printed;
+    this.panel?.unfold(printed);
     this.recolour();
     this.stage.setSharpness(printed ? 2 : this.sharpness());
     this.stage.draw();
