@@ -10,6 +10,8 @@ loss = {recorded = "LOSS"}                     the function of this text, which 
 q = {by = "some_joint"}                        a function of (case, rng, arguments so far)
 bound = 0.9                                    a value
 
+Where the sizes of an exercise have "values", arrays are of the class that a case states (CLASSES).
+
 The texts and the functions that single exercises name follow below, lesson by lesson.
 """
 
@@ -24,7 +26,7 @@ from numpy_cae.course.exercises.checks import Recorded
 from numpy_cae.course.solutions.building_blocks import to_features
 from numpy_cae.course.solutions.second_paper import block_matrices, unit_rows
 from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
-from numpy_cae.verify.operations.case import Case
+from numpy_cae.verify.operations.case import ORDINARY, Case
 from numpy_cae.verify.operations.operation import OPERATIONS
 from numpy_cae.verify.operations.shapes import shape_of
 from numpy_cae.verify.operations.values import spread
@@ -52,14 +54,15 @@ def _draw_argument(
     """One argument; `arguments` has those before it."""
     match entry:
         case str(sizes):
-            return spread(rng, shape_of(case, sizes))
+            return _change_class(case, rng, spread(rng, shape_of(case, sizes)))
         case {"array": sizes, "within": largest, **optional}:
-            return spread(rng, shape_of(case, sizes), largest) + optional.get("around", 0.0)
+            array = spread(rng, shape_of(case, sizes), largest) + optional.get("around", 0.0)
+            return _change_class(case, rng, array)
         case {"half": sizes}:
             shape = shape_of(case, sizes)
             return rng.permutation(np.arange(np.prod(shape)) % 2 == 0).reshape(shape)
         case {"uniform": sizes, "within": largest}:
-            return uniform(rng, shape_of(case, sizes), largest)
+            return draw_uniform(case, rng, shape_of(case, sizes), largest)
         case {"size": name}:
             return case[name]
         case {"recorded": name}:
@@ -72,6 +75,63 @@ def _draw_argument(
 def uniform(rng: np.random.Generator, shape: tuple[int, ...], bound: float) -> np.ndarray:
     """Random entries between -bound and bound: sums of those on a grid would tie in the pooling."""
     return rng.uniform(-bound, bound, shape).round(3)
+
+
+def _keep_array(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
+    return array
+
+
+def _multiply_by_four(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
+    return 4.0 * array
+
+
+def _round_to_quarters(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
+    return np.round(4.0 * array) / 4.0
+
+
+def _repeat_first_frame(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
+    quarters = _round_to_quarters(rng, array)
+    if quarters.ndim < 3:
+        return quarters
+    return np.repeat(quarters[:, :1], quarters.shape[1], axis=1)
+
+
+def _zero_or_keep(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
+    return array * rng.choice([0.0, 1.0]) + 0.0
+
+
+def _make_tiny(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
+    return 1e-6 * array
+
+
+TIED_CLASSES = ("ties", "equal frames", "zeros")
+"""The classes of values in which frames are equal, in any order of summation."""
+CLASSES: dict[str, Callable[[np.random.Generator, np.ndarray], np.ndarray]] = {
+    ORDINARY: _keep_array,
+    "random": _keep_array,
+    "saturated": _multiply_by_four,
+    "ties": _round_to_quarters,
+    "equal frames": _repeat_first_frame,
+    "zeros": _zero_or_keep,
+    "tiny": _make_tiny,
+}
+"""How ordinary arrays are changed to those of a class.
+
+The sums and products of quarters are exact, so that ties do not depend on the order of summation.
+Saturated units lie beyond every bound. Of "zeros" half of the arrays are zero.
+"""
+
+
+def _change_class(case: Case, rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
+    """An array of the class of values that a case states, by default ordinary."""
+    return CLASSES[case.get("values")](rng, array)
+
+
+def draw_uniform(
+    case: Case, rng: np.random.Generator, shape: tuple[int, ...], bound: float
+) -> np.ndarray:
+    """Random entries between -bound and bound, changed to the class of values of the case."""
+    return _change_class(case, rng, uniform(rng, shape, bound))
 
 
 QUARTER = "by quarters"
@@ -151,7 +211,7 @@ LOSS = (
 
 def corrupted(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Windows with noise: zeros would tie in the pooling."""
-    return arguments["x"] + uniform(rng, arguments["x"].shape, 0.25)
+    return arguments["x"] + draw_uniform(case, rng, arguments["x"].shape, 0.25)
 
 
 def first_frames(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
@@ -165,18 +225,34 @@ def generator(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.
 
 
 def random_layers(case: Case, rng: np.random.Generator, arguments: Arguments) -> list[tuple]:
-    """The filters and biases of each layer."""
+    """The filters and biases of each layer.
+
+    Where frames tie, a filter of an upper layer has one entry: the sum of several products would
+    tie, or not, by its rounding.
+    """
     channels = [case["channels"]] + case["layers"] * [case["filters"]]
-    return [
-        (uniform(rng, (case["taps"], below, above), 0.5), uniform(rng, (above,), 0.25))
-        for below, above in pairwise(channels)
-    ]
+    layers: list[tuple] = []
+    for below, above in pairwise(channels):
+        w = draw_uniform(case, rng, (case["taps"], below, above), 0.5)
+        b = draw_uniform(case, rng, (above,), 0.25)
+        if layers and case.get("values") in TIED_CLASSES:
+            w = _keep_one_entry(rng, w)
+        layers.append((w, b))
+    return layers
+
+
+def _keep_one_entry(rng: np.random.Generator, w: np.ndarray) -> np.ndarray:
+    """The filters with one entry each, 0 in all others."""
+    taps, below, above = w.shape
+    entries = np.arange(taps * below)[:, None]
+    chosen = rng.integers(taps * below, size=above)
+    return np.where(entries == chosen, w.reshape(-1, above), 0.0).reshape(w.shape)
 
 
 def random_windows(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Windows whose frames can be pooled in every layer."""
     frames = case["units"] * 2 ** case["layers"]
-    return uniform(rng, (case["batch"], frames, case["channels"]), 1.0)
+    return draw_uniform(case, rng, (case["batch"], frames, case["channels"]), 1.0)
 
 
 BLURRED = "lambda x: 0.75 * x + 0.25 * np.roll(x, 1, axis=1) + 0.1"
@@ -237,7 +313,7 @@ OF_ENCODER = ("encoder_", "latent_")
 def random_weights(case: Case, rng: np.random.Generator, arguments: Arguments) -> Weights:
     """Every weight of the network by name."""
     shapes = weight_shapes(case["features"], case["hidden"], case["latent"])
-    return {name: uniform(rng, shape, 1.0) for name, shape in shapes.items()}
+    return {name: draw_uniform(case, rng, shape, 1.0) for name, shape in shapes.items()}
 
 
 def encoder(case: Case, rng: np.random.Generator, arguments: Arguments) -> Weights:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from numpy_cae.verify.checks.calls import gradients_of_leaves
 from numpy_cae.verify.checks.gradients import find_wrong_gradients
 from numpy_cae.verify.checks.leaves import all_leaves, leaves, rebuild
 from numpy_cae.verify.checks.mismatch import (
@@ -23,6 +24,7 @@ from numpy_cae.verify.checks.mismatch import (
     OVERWRITTEN,
     REPEATED,
     Mismatch,
+    require_array,
     require_shape,
 )
 from numpy_cae.verify.operations.case import Case
@@ -202,9 +204,18 @@ def numbers_in(thing: Any, case: Case) -> Iterator[Any]:
 
 
 def gradients_agree(
-    inputs: Names, returns: Names, only: Names, function, case, **arguments
+    definition: Callable,
+    inputs: Names,
+    returns: Names,
+    only: Names,
+    function: Callable,
+    case: Case,
+    **arguments,
 ) -> None:
     """The property that gradients agree with differences of the function's own value.
+
+    Where differences do not decide, a function with the value of the definition needs its
+    gradients.
 
     `inputs` are the arguments that get a gradient, in the order of the gradients. `returns` names
     the things that the function returns, the value first. The second one is `PULLBACK`, or the
@@ -214,6 +225,9 @@ def gradients_agree(
     values = [arguments[name] for name in inputs]
     names = [name for name, _ in all_leaves(values, inputs)]
     chosen = [name for name in names if not only or KEY.sub(r"\1", name) in only]
+    if not case.is_plain:
+        _require_gradients(definition, inputs, returns, chosen, function, case, arguments)
+        return
     problems = find_wrong_gradients(
         _with_pullback(function, arguments, inputs, returns),
         values,
@@ -227,6 +241,31 @@ def gradients_agree(
         first, *more = problems
         also = [f"also: {problem.subject}" for problem in more]
         raise Mismatch(first.kind, first.subject, "\n".join([str(first), *also]))
+
+
+def _require_gradients(
+    definition: Callable,
+    inputs: Names,
+    returns: Names,
+    chosen: Sequence[str],
+    function: Callable,
+    case: Case,
+    arguments: Mapping[str, object],
+) -> None:
+    """Raise unless a function with the value of a definition has its gradients."""
+    values = [arguments[name] for name in inputs]
+    value, pullback = _with_pullback(function, arguments, inputs, returns)(*values)
+    right, right_pullback = _with_pullback(definition, arguments, inputs, returns)(*values)
+    if not same([np.asarray(value)], [np.asarray(right)]):
+        return
+    dy = draw_upstream(case, right)
+    gradients = gradients_of_leaves(values, inputs, pullback(dy))
+    right_gradients = gradients_of_leaves(values, inputs, right_pullback(dy))
+    names = [name for name, _ in all_leaves(values, inputs)]
+    for name, gradient, expected in zip(names, gradients, right_gradients, strict=True):
+        if name in chosen and expected is not None:
+            require_array(f"the gradient for {name}", gradient)
+            require_equal(f"the gradient for {name}", gradient, expected)
 
 
 def _with_pullback(

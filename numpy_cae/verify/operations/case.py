@@ -48,6 +48,16 @@ class Case:
     def rng(self) -> np.random.Generator:
         return np.random.default_rng(self.seed)
 
+    @property
+    def is_plain(self) -> bool:
+        """Whether differences decide: ordinary numbers and no large size.
+
+        Elsewhere there are kinks, or slopes far below those of other entries.
+        """
+        if self.get("values") != ORDINARY or self.get("state") != ORDINARY:
+            return False
+        return not any(_is_large(size) for _, size in self.sizes)
+
     def __str__(self) -> str:
         unusual = [f"{name} {size}" for name, size in self.sizes if size != ORDINARY]
         return ", ".join([*unusual, f"seed {self.seed}"])
