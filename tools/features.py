@@ -22,14 +22,12 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from data_synth import make_take, plan_takes, write_series
+from data_synth import make_take
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.mocap import write_bvh
 from tools.readme_picture import damaged_walk
 
 DOCS = Path(__file__).parents[1] / "docs"
-MINUTES = 8.0
-"""Of the motions that the network of the page learns from."""
 WIDTH = 1000
 HEIGHT = 720
 COLOURS = 128
@@ -58,13 +56,12 @@ TERMINAL = (
 
 
 def write_motions(folder: Path) -> None:
-    """What the commands read: takes of five kinds, a damaged walk, motions and a wrong function."""
+    """What the commands read: takes of five kinds, a damaged walk and a wrong function."""
     (folder / "takes").mkdir()
     for kind in ("walk", "run", "kick", "squats", "old_mans_walk"):
         for seed in range(3):
             motion = make_take(kind, seed, seconds=6.0, rate=30.0).motion
             write_bvh(motion, folder / "takes" / f"{kind}_{seed}.bvh", unit=0.01)
-    write_series(plan_takes(MINUTES, seed=1), folder / "motions", rate=30.0)
     for kind in ("walk", "run"):
         shutil.copy(folder / "takes" / f"{kind}_0.bvh", folder / f"{kind}.bvh")
     damaged = damaged_walk(make_take("walk", 7001, seconds=6.0, rate=30.0).motion)
