@@ -110,15 +110,25 @@ def draw(walks: dict[str, np.ndarray], page: Page, path: Path) -> None:
             head.set_data(*(view[JOINTS.index("head")] + [0, 0.06])[:, None])
         canvas.draw()
         pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
-    first, *others = _with_one_palette(pictures)
+    first, *others = _with_one_palette(pictures, page.paper)
     milliseconds = 10 * round(100 * STEP / RATE)  # GIF counts hundredths of a second
     first.save(path, save_all=True, append_images=others, duration=milliseconds, loop=0)
 
 
-def _with_one_palette(pictures: list[Image.Image]) -> list[Image.Image]:
-    """The pictures with the colours of the first, without dithering, so that files are small."""
-    palette = pictures[0].quantize(PALETTE)
-    return [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+def _with_one_palette(pictures: list[Image.Image], paper: str) -> list[Image.Image]:
+    """The pictures with the colours of the first, without dithering, so that files are small. The
+    paper has its exact colour, to which Pillow's choice of the nearest one is only near."""
+    palette = pictures[0].quantize(PALETTE - 1)
+    colours = (palette.getpalette() or [])[: 3 * (PALETTE - 1)]
+    ground = [round(255 * part) for part in to_rgb(paper)]
+    reduced = []
+    for picture in pictures:
+        indices = np.array(picture.quantize(palette=palette, dither=Image.Dither.NONE))
+        indices[(np.asarray(picture) == ground).all(axis=-1)] = PALETTE - 1
+        image = Image.fromarray(indices)
+        image.putpalette(colours + ground)
+        reduced.append(image)
+    return reduced
 
 
 def _shade(colour: str, joint: str, paper: str) -> np.ndarray:
