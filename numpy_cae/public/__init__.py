@@ -136,7 +136,7 @@ def repair(
     left_wrist: frame 30: moved 24.2 cm, at most 24.2
     1 finding:
       1. left_elbow: frame 30: spike (76° from the frames before and after):
-        24.2 cm, confidence 0.91
+        left_wrist 24.2 cm, confidence 0.91
     """
     motion = to_motion(motion)
     chosen = None if findings is None else to_findings(findings, motion)
