@@ -264,7 +264,7 @@ def test_every_member_of_a_team_gets_its_marks(marking):
     marking.hand_in("cem_07.ipynb", WRONG_FRAMES_SEEN)
     teams = marking.folder / "teams.txt"
     teams.write_text("ann, bob\n")
-    marking.run("--teams", teams)
+    assert "NO FILE" not in marking.run("--teams", teams)
     assert [row["Lesson 07"] for row in marking.imported()] == ["10", "10", "0"]
 
 
@@ -277,6 +277,47 @@ def test_feedback_goes_back_to_moodle_and_canvas(marking):
         notebook = json.loads(packed.read("raybob_LATE_503_79_feedback.ipynb"))
     assert "Ann Lee_12_assignsubmission_file_feedback.md" in names
     assert "frames_seen: 0 of 10 points" in notebook["cells"][0]["source"]
+
+
+def test_moodle_finds_whose_feedback_a_file_is(marking):
+    """By the rule of mod/assign/feedback/file/importziplib.php."""
+    marking.hand_in("Ann Lee_12_assignsubmission_file/07_going_deep.ipynb", FRAMES_SEEN)
+    marking.run("--feedback", marking.folder / "feedback.zip")
+    with zipfile.ZipFile(marking.folder / "feedback.zip") as packed:
+        (name,) = packed.namelist()
+    _, number, kind, plugin, file = name.split("_", 4)
+    assert (number, kind, plugin, file) == ("12", "assignsubmission", "file", "feedback.md")
+
+
+def test_moodle_finds_the_columns_and_the_participant_of_a_worksheet(marking):
+    """By the rule of mod/assign/feedback/offline/importgradeslib.php, in English."""
+    marking.use_roster(EXPORTS["worksheet in English"]["rows"])
+    marking.hand_in_class()
+    marking.run()
+    graded = {}
+    for row in marking.imported():
+        assert row["Last modified (grade)"] == "-"
+        graded[row["Identifier"].removeprefix("Participant ")] = float(row["Grade"])
+    assert graded["1327601"] == 10.0 and graded["1327602"] == 0.0
+
+
+def test_a_lesson_that_was_counted_stays_when_the_class_grows(marking):
+    for name in ("a_07.ipynb", "b_01.ipynb"):
+        marking.hand_in(name, FRAMES_SEEN if "07" in name else "def speeds(p, r):\n    return 0")
+    marking.run()
+    for student in "cdefgh":
+        marking.hand_in(f"{student}_07.ipynb", FRAMES_SEEN)
+    marking.run()
+    assert marking.marks()["b"]["speeds"] == "0"
+
+
+def test_a_correction_counts_in_a_lesson_of_few(marking):
+    for student in "abcde":
+        marking.hand_in(f"{student}_07.ipynb", FRAMES_SEEN)
+    corrections = "student,exercise,points,reason\na,speeds,7,shown in the lesson\n"
+    (marking.folder / "corrections.csv").write_text(corrections)
+    marking.run()
+    assert marking.marks()["a"]["speeds"] == "7"
 
 
 def test_results_for_programs(marking):

@@ -102,7 +102,7 @@ class ClassMarks:
         for correction in self.without_student:
             named = f"{correction.student}, {correction.exercise}"
             yield f"NO STUDENT  {FILE}: {named}: nobody, or several, are called so"
-        yield from self.matching.lines(self.roster.students)
+        yield from self.matching.lines(self.roster.students, self.team_of)
         by_student = self.by_student(reports)
         table = self._make_table(by_student)
         for row in table.rows:

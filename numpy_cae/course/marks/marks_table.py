@@ -5,7 +5,7 @@ headings of the columns ("lesson 03", "total", "possible") are made when the tab
 """
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from shutil import copyfile
@@ -172,13 +172,14 @@ def make_table(
     reports_of = {csv_cell(student): files for student, files in reports_of.items()}
     corrections = {csv_cell(student): listed for student, listed in corrections.items()}
     best = {student: best_reports(files) for student, files in reports_of.items()}
-    odd = [] if one_lesson else odd_lessons([*_marks_of_students(best, old_marks).values()])
-    uncounted = {name for lesson in odd for name in ASSIGNMENTS[lesson]}
+    kept = _names_in([*old_marks.values(), *map(_names_corrected, corrections.values())])
+    uncounted: set[str] = set()
+    if not one_lesson:
+        uncounted = _odd_exercises([*_marks_of_students(best, old_marks).values()], kept)
     in_roster = [csv_cell(student) for student in roster]
     students = dict.fromkeys([*in_roster, *reports_of, *old_marks, *corrections])
-    corrected = [{item.exercise for item in listed} for listed in corrections.values()]
-    named = [*best.values(), *old_marks.values(), *(dict.fromkeys(names) for names in corrected)]
-    exercises = [name for name in _exercises_with_marks(named) if name not in uncounted]
+    with_marks = (_names_in(best.values()) | kept) - uncounted
+    exercises = _exercises_with_marks(with_marks)
     table = MarksTable(exercises, [])
     for student in students:
         old = old_marks.get(student, {})
@@ -203,19 +204,33 @@ def _marks_of_students(
     return names
 
 
-def odd_lessons(names_of_students: Sequence[set[str]]) -> list[str]:
-    """The lessons of so few students that they were handed in by mistake.
+def _odd_exercises(names_of_students: Sequence[set[str]], counted: Collection[str]) -> set[str]:
+    """The exercises of lessons that so few students handed in that it was by mistake.
 
     Only the exercises of lessons that are not odd have columns, so that two files of another lesson
-    change nobody's maximum.
+    change nobody's maximum. A lesson of which an exercise is counted already is not odd.
     """
     with_marks = [names for names in names_of_students if names]
-    odd = []
-    for lesson, assigned in ASSIGNMENTS.items():
+    odd: set[str] = set()
+    for assigned in ASSIGNMENTS.values():
         count = sum(1 for names in with_marks if not names.isdisjoint(assigned))
-        if 0 < count < FEWEST * len(with_marks):
-            odd.append(lesson)
+        is_counted = not set(assigned).isdisjoint(counted)
+        if 0 < count < FEWEST * len(with_marks) and not is_counted:
+            odd.update(assigned)
     return odd
+
+
+def _names_in(marks: Iterable[Iterable[str]]) -> set[str]:
+    """The names of all exercises that have a mark."""
+    names: set[str] = set()
+    for of_student in marks:
+        names.update(of_student)
+    return names
+
+
+def _names_corrected(corrections: Sequence[Correction]) -> list[str]:
+    """The exercises of some corrections."""
+    return [correction.exercise for correction in corrections]
 
 
 def best_reports(files: Sequence[FileReport]) -> dict[str, Report]:
@@ -229,12 +244,11 @@ def best_reports(files: Sequence[FileReport]) -> dict[str, Report]:
     return best
 
 
-def _exercises_with_marks(marks: Sequence[Mapping[str, object]]) -> list[str]:
+def _exercises_with_marks(names: Collection[str]) -> list[str]:
     """The exercises with a mark, those of lessons first; of a lesson, all of its exercises."""
-    names = {name for of_student in marks for name in of_student}
     exercises: list[str] = []
     for assigned in ASSIGNMENTS.values():
-        if names & set(assigned):
+        if not set(assigned).isdisjoint(names):
             exercises += assigned
     return [*exercises, *(name for name in CATALOGUE if name in names and name not in exercises)]
 

@@ -2,7 +2,7 @@
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from numpy_cae.course.marks.handed_in import HandedIn
@@ -52,10 +52,10 @@ class Matching:
                 students.append(student)
         return students
 
-    def lines(self, roster: Iterable[str]) -> Iterator[str]:
+    def lines(self, roster: Iterable[str], team_of: Mapping[str, Sequence[str]]) -> Iterator[str]:
         """By what each student was matched, for the rows of a roster by their names.
 
-        Students without a row come first, then rows without a student.
+        Students without a row come first, then rows without a student, nor one of their team.
         """
         for student, rows in self.candidates.items():
             if rows:
@@ -64,7 +64,7 @@ class Matching:
                 yield f"NO ROW      {student}: nothing like it in the roster"
         matched = set(self.row_of.values())
         for row in roster:
-            if row in matched:
+            if not matched.isdisjoint(team_of.get(row, [row])):
                 continue
             claimants = self.claimants(row)
             if claimants:
