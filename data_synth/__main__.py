@@ -8,17 +8,12 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-import time
 from collections.abc import Sequence
 
 from data_synth.kinds import KINDS, require_kinds
 from data_synth.series import Plan, plan_cmu_scale, plan_takes
 from data_synth.write_series import write_series
-
-try:
-    from tqdm import tqdm
-except ImportError:  # the extra `progress` is optional
-    tqdm = None
+from numpy_cae.progress import ProgressLine, time_to_go
 
 _EPILOG = f"""kinds: {", ".join(KINDS)}
 
@@ -36,8 +31,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             plans = plan_cmu_scale(args.seed, args.kinds)
         else:
             plans = plan_takes(args.minutes, args.seed, args.kinds)
-        with _Progress(plans, visible=not args.quiet) as progress:
-            labels = write_series(plans, args.out, args.rate, progress.count_take)
+        with ProgressLine() as line:
+            report = None if args.quiet else _Progress(line, len(plans))
+            labels = write_series(plans, args.out, args.rate, report)
     except (ValueError, OSError) as error:
         print(f"data_synth: {error}", file=sys.stderr)
         return 2
@@ -46,6 +42,21 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
     print(f"{len(plans)} takes, {sum(p.seconds for p in plans) / 60:.1f} minutes: {labels}")
     return 0
+
+
+class _Progress:
+    """A report to `write_series` that shows how many takes are written."""
+
+    def __init__(self, line: ProgressLine, total: int):
+        self.line = line
+        self.total = total
+        self.done = 0
+
+    def __call__(self, plan: Plan, take: object) -> None:
+        """Count one more take."""
+        self.done += 1
+        to_go = time_to_go(self.line.seconds, self.done / self.total)
+        self.line.show(f"{self.done} of {self.total} takes{to_go}")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -102,39 +113,6 @@ def _kinds(text: str) -> list[str]:
         return require_kinds([kind.strip() for kind in text.split(",") if kind.strip()])
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
-
-
-class _Progress:
-    """A progress bar; without tqdm, a line every few seconds."""
-
-    def __init__(self, plans: Sequence[Plan], visible: bool):
-        self.total = len(plans)
-        self.done = 0
-        self.visible = visible
-        self.begun = time.monotonic()
-        self.printed = self.begun
-        self.bar = None
-        if visible and tqdm is not None:
-            self.bar = tqdm(total=len(plans), unit=" takes", file=sys.stderr)
-
-    def __enter__(self) -> _Progress:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.close()
-
-    def count_take(self, plan: Plan, take: object) -> None:
-        """Count one more take."""
-        self.done += 1
-        now = time.monotonic()
-        if self.bar is not None:
-            self.bar.set_postfix_str(plan.kind, refresh=False)
-            self.bar.update()
-        elif self.visible and (now - self.printed > 5 or self.done == self.total):
-            self.printed = now
-            seconds = (now - self.begun) / self.done * (self.total - self.done)
-            print(f"{self.done} of {self.total} takes, {seconds:.0f} s to go", file=sys.stderr)
 
 
 if __name__ == "__main__":

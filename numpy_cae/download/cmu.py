@@ -17,6 +17,7 @@ from multiprocessing.pool import ThreadPool
 from pathlib import Path
 
 from numpy_cae.errors import NumpyCaeError
+from numpy_cae.progress import ProgressLine, time_to_go
 
 SITE = "http://mocap.cs.cmu.edu"
 CHECKSUMS = "checksums.txt"
@@ -57,7 +58,7 @@ def download_cmu(
     site : str
         Address of the site or of a mirror.
     show_progress : bool
-        Print the name of each file.
+        Show how many files are downloaded.
 
     Returns
     -------
@@ -77,15 +78,19 @@ def download_cmu(
     folder = Path(folder)
     site = site.rstrip("/")
     downloads = pooch.create(folder, site, retry_if_failed=2)
-    pooch.get_logger().setLevel("INFO" if show_progress else "WARNING")
+    pooch.get_logger().setLevel("WARNING")
     try:
         downloads.urls = _addresses(site, subjects)
         downloads.registry = dict.fromkeys(downloads.urls) | _read_checksums(folder / CHECKSUMS)
-        for name in downloads.urls:
-            if not (folder / name).exists():
-                time.sleep(PAUSE)
-            path = downloads.fetch(name, downloader=_download)
-            downloads.registry[name] = downloads.registry[name] or pooch.file_hash(path)
+        with ProgressLine() as line:
+            for number, name in enumerate(downloads.urls):
+                if show_progress:
+                    to_go = time_to_go(line.seconds, number / len(downloads.urls))
+                    line.show(f"{number} of {len(downloads.urls)} files{to_go}")
+                if not (folder / name).exists():
+                    time.sleep(PAUSE)
+                path = downloads.fetch(name, downloader=_download)
+                downloads.registry[name] = downloads.registry[name] or pooch.file_hash(path)
     except (OSError, ValueError) as error:
         raise DownloadError(f"{site}: {error}") from None
     finally:

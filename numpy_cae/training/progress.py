@@ -1,22 +1,21 @@
 """What is printed while a training runs."""
 
-import shutil
 import sys
 import time
 
+from numpy_cae.progress import ProgressLine, hide_progress
 from numpy_cae.training.state import HELD_OUT, TrainingState
 
 INTERVAL_SECONDS = 30.0
-"""Within an epoch, a line is printed when this time (s) has passed since the last one; in a
-terminal, where one line renews itself, after a hundredth of it."""
+"""Within an epoch, a line is printed when this time (s) has passed since the last one."""
 
 
 class ProgressPrinter:
-    """A `report` that prints a line after each epoch, and every `INTERVAL_SECONDS` within one.
+    """A `report` that shows a line, in a terminal one that vanishes when the stage is done.
 
-    The lines go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left".
-    In a terminal a stage has one short line, which renews itself. An error on held-out takes is
-    printed where the losses have one.
+    Elsewhere it prints a line after each epoch, and every `INTERVAL_SECONDS` within one. The lines
+    go to standard error: "layer 1, epoch 3/25: loss 0.05120, 30 s elapsed, 220 s left". An error on
+    held-out takes is shown where the losses have one.
 
     Examples
     --------
@@ -25,26 +24,19 @@ class ProgressPrinter:
 
     def __init__(self) -> None:
         self.last_print = time.monotonic()
-        self.columns = 0  # of the terminal, if there is one
-        if sys.stderr.isatty():
-            self.columns = shutil.get_terminal_size().columns - 1
+        self.line = ProgressLine()
 
     def __call__(self, state: TrainingState) -> None:
-        """Print a line if it is time."""
-        interval = INTERVAL_SECONDS / 100 if self.columns else INTERVAL_SECONDS
-        if state.step and time.monotonic() - self.last_print <= interval:
+        """Show or print a line if it is time."""
+        if self.line.is_terminal:
+            if state.epoch == state.epochs:
+                hide_progress()
+            else:
+                self.line.show(describe_progress(state, is_short=True))
             return
-        if self.columns:
-            line = describe_progress(state, is_short=True)
-            end = "\n" if state.epoch == state.epochs else ""
-            print(
-                "\r" + line[: self.columns].ljust(self.columns),
-                end=end,
-                file=sys.stderr,
-                flush=True,
-            )
-        else:
-            print(describe_progress(state), file=sys.stderr, flush=True)
+        if state.step and time.monotonic() - self.last_print <= INTERVAL_SECONDS:
+            return
+        print(describe_progress(state), file=sys.stderr, flush=True)
         self.last_print = time.monotonic()
 
 

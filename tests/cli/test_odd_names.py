@@ -14,6 +14,7 @@ from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.cli.shared.output import VisibleStream
 from numpy_cae.mocap import load_motion, write_bvh
+from numpy_cae.progress import ProgressLine
 
 HOSTILE = "a\x1b[2J\u202e.bvh"
 NOT_UTF8 = os.fsdecode(b"caf\xe9.bvh")
@@ -82,6 +83,41 @@ def test_a_terminal_gets_short_lines_in_its_encoding(monkeypatch, no_color, star
     )
     shown = f"{start} turned by\n    62\\xb0 and back\n| a row of a table | is kept |\n"
     assert terminal.getvalue() == shown
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """A terminal of 24 columns in colours."""
+    for name, value in {"COLUMNS": "24", "NO_COLOR": "", "TERM": "xterm"}.items():
+        monkeypatch.setenv(name, value)
+    return type("Terminal", (io.StringIO,), {"encoding": "utf-8", "isatty": lambda self: True})()
+
+
+def test_an_indent_that_is_written_before_a_line_counts_for_its_width(terminal):
+    line = "a sentence of several words that is wrapped"
+    print("take", line, line, sep="\n  ", file=VisibleStream(terminal))
+    assert max(map(len, terminal.getvalue().splitlines())) <= 24
+
+
+def test_errors_are_red_and_warnings_yellow(terminal):
+    stream = VisibleStream(terminal)
+    print("numpy-cae fill: bad", file=stream)
+    print("slide: 3 → 4 (worse)", file=stream)
+    assert terminal.getvalue() == (
+        "\x1b[1;31mnumpy-cae fill:\x1b[0m bad\n\x1b[1mslide:\x1b[0m 3 → 4 \x1b[33m(worse)\x1b[0m\n"
+    )
+
+
+def test_progress_vanishes_before_anything_is_printed_and_at_the_end(terminal, monkeypatch):
+    monkeypatch.setattr("numpy_cae.progress.FIRST_SECONDS", 0.0)
+    monkeypatch.setattr("sys.stderr", VisibleStream(terminal))
+    removed = "\r" + " " * 23 + "\r"
+    with ProgressLine() as line:
+        line.show("1 of 3 files")
+        print("a note", file=sys.stderr)
+        line.due = 0.0
+        line.show("2 of 3 files")
+    assert terminal.getvalue() == f"\r1 of 3 files{removed}a note\n\r2 of 3 files{removed}"
 
 
 def test_no_cell_is_a_formula(walks, model, tmp_path, run):

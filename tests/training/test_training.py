@@ -259,18 +259,35 @@ def test_a_line_has_the_time_that_is_left_and_one_within_an_epoch_comes_rarely(m
     monkeypatch.setattr(progress, "time", clock)
     state = TrainingState(name="layer 1", epochs=4, steps=8, seconds={"layer 1": 60.0})
     printer = ProgressPrinter()
-    for columns, passed, epoch, step, shown in (
-        (0, 30, 1, 4, ""),
-        (0, 1, 1, 4, "layer 1, epoch 1.50/4, 60 s elapsed, 100 s left\n"),
-        (0, 0, 1, 4, ""),
-        (0, 0, 2, 0, "layer 1, epoch 2/4: loss 0.50000, 60 s elapsed, 60 s left\n"),
-        (61, 0.299, 3, 4, ""),
-        (61, 0.002, 3, 4, "\rlayer 1, epoch 3.50/4: loss 0.25000, held-out 1.50 cm, 9 s le"),
-        (61, 0, 4, 0, "\rlayer 1, epoch 4/4: loss 0.12500, held-out 1.50 cm, 0 s left \n"),
+    for passed, epoch, step, shown in (
+        (30, 1, 4, ""),
+        (1, 1, 4, "layer 1, epoch 1.50/4, 60 s elapsed, 100 s left\n"),
+        (0, 1, 4, ""),
+        (0, 2, 0, "layer 1, epoch 2/4: loss 0.50000, 60 s elapsed, 60 s left\n"),
     ):
-        losses = {"layer 1": [0.5, 0.25, 0.125][: epoch - 1]}
-        state.losses = losses | {progress.HELD_OUT: [3.0, 2.0, 1.5][:columns]}
-        state.epoch, state.step, printer.columns = epoch, step, columns
+        state.losses = {"layer 1": [0.5, 0.25, 0.125][: epoch - 1]}
+        state.epoch, state.step = epoch, step
+        clock.now += passed
+        printer(state)
+        assert capsys.readouterr().err == shown
+
+
+def test_in_a_terminal_a_line_renews_itself_and_vanishes_after_the_stage(monkeypatch, capsys):
+    clock = SimpleNamespace(monotonic=lambda: clock.now, now=100.0)
+    monkeypatch.setattr("numpy_cae.progress.time", clock)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "62")
+    state = TrainingState(name="layer 1", epochs=4, steps=8, seconds={"layer 1": 60.0})
+    state.losses = {"layer 1": [0.5, 0.25], progress.HELD_OUT: [3.0, 1.5]}
+    printer = ProgressPrinter()
+    removed = "\r" + " " * 61 + "\r"
+    for passed, epoch, step, shown in (
+        (2.01, 3, 4, "\rlayer 1, epoch 3.50/4: loss 0.25000, held-out 1.50 cm, 9 s le"),
+        (0.29, 3, 5, ""),
+        (0.02, 3, 6, f"{removed}\rlayer 1, epoch 3.75/4: loss 0.25000, held-out 1.50 cm, 4 s le"),
+        (0.0, 4, 0, removed),
+    ):
+        state.epoch, state.step = epoch, step
         clock.now += passed
         printer(state)
         assert capsys.readouterr().err == shown
