@@ -193,7 +193,7 @@ def test_a_page_in_a_zip_is_named(marking):
         packed.writestr("bob/a.html", "<p>")
         packed.writestr("bob/07_bob.py", FRAMES_SEEN)
     printed = marking.run()
-    assert "ann: a.html: a.html is handed in, and a .html cannot be graded" in printed
+    assert "NOT GRADED  ann: a.html: a.html is handed in, and a .html cannot be graded" in printed
     assert "bob: a.html" not in printed
 
 

@@ -110,9 +110,12 @@ class ClassMarks:
                 yield f"NOT AS NOW  {row.student}: {note}"
         for student, files in by_student.items():
             for file in files:
-                yield f"{student}: {file.path.name}: {file.points} of {file.possible} points"
-                for fault in file.faults:
-                    yield f"{student}: {file.path.name}: {fault}"
+                if file.faults and not file.reports:
+                    yield f"NOT GRADED  {student}: {file.path.name}: {'; '.join(file.faults)}"
+        for student, files in by_student.items():
+            for file in files:
+                if file.reports or not file.faults:
+                    yield f"{student}: {file.path.name}: {file.points} of {file.possible} points"
 
     def by_student(self, reports: Sequence[FileReport | None]) -> dict[str, list[FileReport]]:
         """The reports on the files of each student, by name.
