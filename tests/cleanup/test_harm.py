@@ -10,8 +10,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from data_synth import draw_body, make_take
-from numpy_cae.cleanup import Finding, repair_motion
+from numpy_cae.cleanup import PRESETS, Finding, repair_motion
 from numpy_cae.cleanup.cuts import find_cuts
+from numpy_cae.cleanup.feet import find_feet
 from numpy_cae.cleanup.freezes import find_freezes
 from numpy_cae.cleanup.repair import mend_damage
 from numpy_cae.cleanup.result import join_motions
@@ -184,3 +185,28 @@ def test_frames_that_hardly_move_are_no_finding():
     frames = np.arange(len(motion))
     frames[100:140:4] = frames[99:139:4]
     assert mend_damage(motion.at(frames))[1] == []
+
+
+def shuffling(metres, rate=60.0, seconds=12.0):
+    """A person whose feet stand and shift by some centimetres now and then, without a step."""
+    motion = clip("idle", 3, rate, seconds)
+    times = np.arange(len(motion)) / rate
+    way = np.zeros(len(motion))
+    for number, when in enumerate((2.0, 4.5, 7.0, 9.5)):
+        way += (-1) ** (number // 2) * metres * np.clip((times - when) / 0.3, 0.0, 1.0)
+    translations = motion.translations.copy()
+    translations[:, 0, 0] += way
+    return replace(motion, translations=translations)
+
+
+def test_feet_that_shuffle_and_hardly_slide_stay():
+    motion = shuffling(0.07)
+    repaired = repair_motion(motion, preset=PRESETS["suit"])
+    assert_unchanged(repaired, motion)
+
+
+def test_a_stance_ends_where_a_foot_changes_its_place():
+    motion = shuffling(0.12)
+    motion.translations[:, 0, 2] += 0.08 * np.arange(len(motion)) / 60.0  # it slides, besides
+    for finding in find_feet(View(motion)):
+        assert finding.frames[1] - finding.frames[0] < 2.6 * 60
