@@ -41,6 +41,8 @@ def entry_findings(entry: Any, motion: Motion) -> list[Finding]:
     the whole body; ValueError if it is of something that the motion does not have."""
     if not isinstance(entry, Mapping):
         raise ValueError(f"expected one such as in {EXAMPLE}")
+    if not {"joint", "limb", "frames", "kind"} & set(entry):
+        raise ValueError(f"names no joint, limb or frames, expected one such as in {EXAMPLE}")
     if "kind" in entry:
         return [check_finding(motion, Finding.from_json(dict(entry)))]
     joints = []

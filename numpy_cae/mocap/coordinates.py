@@ -3,12 +3,14 @@
 A `Motion` is Y up with the floor at 0, and may have joints that its file lacks. `Motion.up`,
 `Motion.floor` and `Rig.added` say how the file has it, and the writers restore that.
 
-Nearly all files have Y up and the floor at 0; such files pass through unchanged. Two observations
+Nearly all files have Y up and the floor at 0; such files pass through unchanged. Three observations
 decide, on the twenty joints:
 
 - Upright: the median direction from the ankles to the head. People stand, walk and sit upright; if
   it is along another axis, that axis is up, unless the body rests on the floor at Y = 0, as someone
   who does press-ups or lies. A body whose head is below its feet in most frames hangs: -Y is up.
+- The rest pose: people may lie, crawl and fall. So where the rest pose has another axis up, that
+  axis is up if they stand along it in some frames, or if they move over a floor across it.
 - Support: the lowest joint is near the floor most of the time. If the lowest level at which it
   stays is far from 0, and it is seldom near 0, the floor is there.
 """
@@ -36,6 +38,12 @@ AnyMotion = TypeVar("AnyMotion", bound=Motion)
 UPRIGHT_COSINE = 0.8
 """An axis is up if the direction from the ankles to the head, a unit vector, has at least this
 component along it in most frames."""
+STANDING_SHARE = 0.05
+"""A body that is upright along the axis of its rest pose for this part of the time stands then, and
+lies in the rest."""
+CRAWLING_METRES = 0.5
+"""A body that moves by more than this (m) along the direction from the ankles to the head crawls,
+unless its height above the floor of the rest pose changes as much."""
 TOE_METRES = 0.04
 """Height in metres of the lowest of the twenty joints, a toe, of a person who stands."""
 FLOOR_METRES = 0.15
@@ -76,16 +84,47 @@ def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
     component, up = _upright(body)
     if abs(component) < UPRIGHT_COSINE:
         return "y"
-    doubtful = not _rests_at_zero(body, up) or _upright(rest[None])[1] == "y"
+    of_rest, up_of_rest = _upright(rest[None])
+    if abs(of_rest) >= UPRIGHT_COSINE and up_of_rest != up:
+        if _stands_along(body, up_of_rest) or _moves_over_floor(body, up_of_rest, up):
+            return up_of_rest
+    doubtful = not _rests_at_zero(body, up) or up_of_rest == "y"
     return "y" if doubtful and _rests_at_zero(body, "y") else up
+
+
+def _stands_along(body: np.ndarray, axis: str) -> bool:
+    """Whether the body stands along an axis in some frames, as before it falls."""
+    heights = _directions(body) @ np.array(TO_Y_UP[axis][1], dtype=float)
+    return bool(np.mean(heights >= UPRIGHT_COSINE) >= STANDING_SHARE)
+
+
+def _moves_over_floor(body: np.ndarray, up: str, along: str) -> bool:
+    """Whether the body keeps to a floor at 0, if the axis `up` is up, and moves along the axis
+    `along`, as someone who crawls does; a person who stands along that axis does not."""
+    low = _lowest(body, up)
+    level, highest = np.percentile(low, [5, 95])
+    way = np.ptp(np.percentile(_lowest(body, along), [5, 95]))
+    keeps = abs(level) < FLOOR_METRES and highest - level < FLOOR_METRES
+    return bool(keeps and way > CRAWLING_METRES)
+
+
+def _lowest(body: np.ndarray, up: str) -> np.ndarray:
+    """The height (F,) of the lowest joint if the axis `up` is up."""
+    return np.asarray((body @ np.transpose(TO_Y_UP[up]))[..., 1].min(axis=1))
+
+
+def _directions(body: np.ndarray) -> np.ndarray:
+    """The directions (F, 3) from the ankles to the head, unit vectors."""
+    ankles = [JOINTS.index("left_ankle"), JOINTS.index("right_ankle")]
+    direction = body[:, JOINTS.index("head")] - body[:, ankles].mean(axis=1)
+    return np.asarray(
+        direction / np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9)
+    )
 
 
 def _upright(body: np.ndarray) -> tuple[float, str]:
     """The largest component of the median direction from the ankles to the head, and its axis."""
-    ankles = [JOINTS.index("left_ankle"), JOINTS.index("right_ankle")]
-    direction = body[:, JOINTS.index("head")] - body[:, ankles].mean(axis=1)
-    direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9)
-    median = np.median(direction, axis=0)
+    median = np.median(_directions(body), axis=0)
     axis = int(np.argmax(np.abs(median)))
     sign = "-" if median[axis] < 0 else ""
     return float(median[axis]), sign + "xyz"[axis]
@@ -93,7 +132,7 @@ def _upright(body: np.ndarray) -> tuple[float, str]:
 
 def _rests_at_zero(body: np.ndarray, up: str) -> bool:
     """Whether the lowest joint is nearly always at 0, if this axis is up."""
-    low = (body @ np.transpose(TO_Y_UP[up]))[..., 1].min(axis=1)
+    low = _lowest(body, up)
     level, first, third = np.percentile(low, [5, 25, 75])
     return bool(abs(level) < FLOOR_METRES and third - first < STEADY_METRES)
 

@@ -295,6 +295,8 @@ def problem_of_lengths(lengths: np.ndarray) -> str:
     legs = lengths[_LEGS].sum()
     if not LEGS[0] <= legs <= LEGS[1]:
         problem = f"the bones to both knees and ankles are {legs:.3g} m long in all"
+        if legs <= _NO_LENGTH:
+            return f"{problem}: do position channels of 0 replace the offsets of its joints?"
         return f"{problem}, expected {LEGS[0]:g} to {LEGS[1]:g} m; is the unit another?"
     for joint, parent in enumerate(PARENTS[1:], start=1):
         if lengths[joint] <= _NO_LENGTH and (parent == 0 or lengths[parent] <= _NO_LENGTH):

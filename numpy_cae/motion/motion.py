@@ -241,8 +241,11 @@ class Motion:
     def sampled(self, poses: int) -> Motion:
         """About this many poses of the motion, evenly spaced; poses with NaN are left out."""
         sample = self.at(slice(None, None, max(1, len(self) // poses)))
-        lost = np.isnan(sample.rotations).any((1, 2)) | np.isnan(sample.translations).any((1, 2))
-        return sample.at(~lost) if lost.any() else sample
+        if not _has_nan(sample).any():
+            return sample
+        # Every n-th frame may be lost.
+        there = np.flatnonzero(~_has_nan(self))
+        return self.at(there[:: max(1, len(there) // poses)])
 
     def positions(self, joints: Sequence[int] | None = None) -> np.ndarray:
         """World positions of the joints, or of some, (frames, joints, 3) in metres, Y up."""
@@ -301,6 +304,12 @@ class Motion:
             return np.arange(0, len(self), step)
         last = (len(self) - 1) / self.rate * rate
         return np.arange(int(np.floor(last + 1e-9)) + 1) * (self.rate / rate)
+
+
+def _has_nan(motion: Motion) -> np.ndarray:
+    """Whether a frame has NaN, (frames,)."""
+    rotations = np.isnan(motion.rotations).any(axis=(1, 2))
+    return np.asarray(rotations | np.isnan(motion.translations).any(axis=(1, 2)))
 
 
 def require_finite(motion: Motion) -> None:

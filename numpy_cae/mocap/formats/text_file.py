@@ -24,6 +24,8 @@ MAX_BYTES = 1 << 30
 """A longer file is refused."""
 MAX_LINE = 1_000_000
 """A line of more characters is refused; a file is decoded in blocks of this size."""
+_GLUED = re.compile(r"[+-]?\d*\.?\d+[+-]\d*\.?\d*|[+-]?\d*\.\d+\.\d+")
+"""Two numbers between which a blank is missing, such as 0.0-7.5."""
 _LOST = re.compile(r"[-+]?(nan\(.*\)|inf(inity)?|1\.#(qnan|snan|ind|inf)\d*)", re.IGNORECASE)
 """Besides "nan", programs write these words for a value that is lost or was divided by zero."""
 MAX_JOINTS = 5_000
@@ -164,7 +166,11 @@ class TextFile:
         for line, text in lines:
             words = text.split(separator)
             if len(words) != width:
-                raise self.error(line, f"{len(words)} values, expected {width}: {expected}")
+                problem = f"{len(words)} values, expected {width}: {expected}"
+                glued = next((word for word in words if _GLUED.fullmatch(word.strip())), "")
+                if glued:
+                    problem += f"; {quote(glued)} is two numbers without a blank between them"
+                raise self.error(line, problem)
             rows.append(self.numbers(line, [word.strip() for word in words]))
         return np.array(rows)
 

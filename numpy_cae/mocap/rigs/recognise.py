@@ -34,6 +34,10 @@ _FEW = 4
 """A note lists the joints that the hierarchy gave if they are fewer than this."""
 
 
+MIRRORED = "the toes point backwards: are left and right exchanged, or is the file a mirror image?"
+"""The note on a rig of a known person whose left side is to the right of where the toes point."""
+
+
 def recognise_rig(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     """The motion with its rig, and with those of the twenty joints added that the rig lacks.
 
@@ -62,6 +66,8 @@ def recognise_rig(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
         doubt = "" if mapping else find_doubt(completed)
         if doubt:
             return _add_note(completed, f"is this a person? {doubt}", in_doubt=True)
+        if is_mirrored(completed):
+            return _add_note(completed, MIRRORED, in_doubt=True)
         return completed
     names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.indices.items()}
     proposed, doubt = _propose_rig(by_names, names)
@@ -270,17 +276,23 @@ def find_doubt(motion: RiggedMotion) -> str:
     problem = find_order_problem(motion)
     if problem:
         return problem
-    poses = motion.sampled(_POSES)
-    rest = replace(motion.skeleton, offsets=np.median(poses.translations, axis=0))
-    joints = motion.rig.joints
-    body = np.concatenate([rest.rest_positions()[None, joints], poses.positions(joints)])
-    at = {joint: body[:, index] for index, joint in enumerate(JOINTS)}
+    at = _joints_at(motion)
+    body = np.stack([at[joint] for joint in JOINTS], axis=1)
     problem = _find_side_problem(motion, at)
     if not problem:
         problem = _find_length_problem(at, np.median(frame_lengths(body), axis=0))
     if not problem and not _is_usual(_stands(at)):
         problem = "neither the rest pose nor most others are upright"
     return problem
+
+
+def _joints_at(motion: RiggedMotion) -> dict[str, np.ndarray]:
+    """The positions (N, 3) of the twenty joints by name, first in the rest pose."""
+    poses = motion.sampled(_POSES)
+    rest = replace(motion.skeleton, offsets=np.median(poses.translations, axis=0))
+    joints = motion.rig.joints
+    body = np.concatenate([rest.rest_positions()[None, joints], poses.positions(joints)])
+    return {joint: body[:, index] for index, joint in enumerate(JOINTS)}
 
 
 def _is_usual(in_pose: np.ndarray) -> bool:
@@ -308,9 +320,24 @@ def _find_side_problem(motion: RiggedMotion, at: dict[str, np.ndarray]) -> str:
         return ""
     if indices["left_toe"] in motion.rig.added:
         return "neither names nor toes tell left from right"
+    return "" if _is_usual(_toes_point_forward(at)) else "the toes point backwards"
+
+
+def _toes_point_forward(at: dict[str, np.ndarray]) -> np.ndarray:
+    """Whether the left side is to the left of where the toes point, (N,)."""
+    across = at["left_hip"] - at["right_hip"]
     forward = at["left_toe"] - at["left_ankle"] + at["right_toe"] - at["right_ankle"]
     left = np.cross(at["chest"] - at["hips"], forward)
-    return "" if _is_usual(np.sum(left * across, axis=-1) > 0) else "the toes point backwards"
+    return np.asarray(np.sum(left * across, axis=-1) > 0)
+
+
+def is_mirrored(motion: RiggedMotion) -> bool:
+    """Whether the toes point backwards in the rest pose and in most others: then left and right of
+    the joints' names are exchanged, or the file is a mirror image. False if toes were added."""
+    indices = motion.rig.indices
+    if {indices["left_toe"], indices["right_toe"]} & set(motion.rig.added):
+        return False
+    return not _is_usual(_toes_point_forward(_joints_at(motion)))
 
 
 def _find_length_problem(at: dict[str, np.ndarray], lengths: np.ndarray) -> str:
