@@ -10,13 +10,15 @@ standard error and exit status 2, without a traceback.
 import argparse
 import logging
 import os
+import re
 import shutil
 import sys
 import textwrap
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from numpy_cae import __version__
 from numpy_cae.cli.shared.output import visible_output
@@ -40,20 +42,68 @@ SUBCOMMANDS = {name: _first_sentence(name) for name in " ".join(GROUPS.values())
 """Each subcommand, which is the module of that name, with its help in one sentence."""
 
 
+SHELLS = ("bash", "zsh", "tcsh")
+"""The shells for which `--completion` prints a script."""
+
+
+class _PrintCompletion(argparse.Action):
+    """Print the completion of a shell and end, as --help does."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> NoReturn:
+        try:
+            import shtab
+        except ImportError:
+            parser.error("--completion needs shtab: `pip install numpy_cae[completion]`")
+        sys.stdout.write(shtab.complete(_whole_parser(), shell=values))
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
+    """A parser whose errors are one line, with the words that may have been meant."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
+        advice = self._meant(message)
+        self.exit(2, f"{self.prog}: {message}{advice}; see `{self.prog} --help`\n")
+
+    def _meant(self, message: str) -> str:
+        """What was meant by the subcommand or the options that a message calls wrong, in words; ""
+        if nothing is like them."""
+        words = [*SUBCOMMANDS, *self._option_string_actions]
+        meant = []
+        for word in _wrong_words(message):
+            meant += get_close_matches(word, words, n=1)
+        return f"; did you mean {' and '.join(meant)}?" if meant else ""
+
+
+def _wrong_words(message: str) -> list[str]:
+    """The words that a message of argparse calls no choice or no argument."""
+    choice = re.search(r"invalid choice: '([^']*)'", message)
+    if choice:
+        return [choice[1]]
+    _, is_unrecognized, rest = message.partition("unrecognized arguments: ")
+    if not is_unrecognized:
+        return []
+    return [word.partition("=")[0] for word in rest.split() if word.startswith("-")]
 
 
 @visible_output()
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `numpy-cae` with these arguments, by default the command line's; return the status."""
     argv = sys.argv[1:] if argv is None else list(argv)
+    if not argv:
+        _parser().print_help()
+        return 0
     # The commands print the reader's notes themselves.
     logging.getLogger("numpy_cae.mocap.load").setLevel(logging.ERROR)
-    name = _parser().parse_args(argv[:1]).command
+    # Options before the subcommand are the program's: they end it, or are errors.
+    is_option = argv[0].startswith("-")
+    name = _parser().parse_args(argv if is_option else argv[:1]).command
     try:
         args = subcommand_parser(name).parse_args(argv[1:])  # imports for a second
         status = args.run(args)
@@ -76,14 +126,31 @@ def _parser() -> argparse.ArgumentParser:
     """The parser of the first word: a subcommand, --help or --version."""
     parser = _Parser(
         "numpy-cae",
-        usage="numpy-cae [-h] [--version] COMMAND ...",
+        usage="numpy-cae [-h] [--version] [--completion SHELL] COMMAND ...",
         description=_overview(),
         epilog="example: numpy-cae demo\n\n`numpy-cae COMMAND --help` prints options and examples.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
     add("--version", action="version", version=f"numpy-cae {__version__}")
-    add("command", choices=list(SUBCOMMANDS), metavar="COMMAND", help=argparse.SUPPRESS)
+    completion = "print what completes commands and options in a shell"
+    add("--completion", choices=SHELLS, action=_PrintCompletion, help=completion)
+    add("command", nargs="?", choices=list(SUBCOMMANDS), metavar="COMMAND", help=argparse.SUPPRESS)
+    return parser
+
+
+def _whole_parser() -> argparse.ArgumentParser:
+    """One parser of all subcommands, which imports all of them."""
+    parser = argparse.ArgumentParser("numpy-cae")
+    parser.add_argument("--version", action="store_true", help="print the version")
+    subcommands = parser.add_subparsers()
+    for name, sentence in SUBCOMMANDS.items():
+        subcommands.add_parser(
+            name,
+            parents=[subcommand_parser(name)],
+            conflict_handler="resolve",
+            help=sentence.replace("%", "%%"),
+        )
     return parser
 
 

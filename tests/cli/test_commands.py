@@ -37,12 +37,47 @@ def test_help_lists_every_subcommand_and_imports_none():
     assert not set(printed.split()) & heavy
 
 
-@pytest.mark.parametrize("words", ["repiar a.bvh", "repair a.bvh --smoth"])
-def test_a_mistyped_word_is_answered_in_one_line(words, capsys):
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("repiar a.bvh", "repair"),
+        ("repair a.bvh --smoth", "--smooth"),
+        ("repair a.bvh --sensitivty=0.6", "--sensitivity"),
+        ("--verison", "--version"),
+    ],
+)
+def test_a_mistyped_word_is_answered_in_one_line_with_what_was_meant(words, meant, capsys):
     with pytest.raises(SystemExit) as exit_:
         main(words.split())
     (line,) = capsys.readouterr().err.splitlines()
     assert exit_.value.code == 2 and line.endswith(" --help`")
+    assert f"; did you mean {meant}?;" in line
+
+
+def test_without_a_word_the_overview_is_printed(capsys):
+    assert main([]) == 0
+    assert "Repair the damaged joints and frames" in capsys.readouterr().out
+
+
+def test_what_is_like_no_word_is_not_guessed(capsys):
+    with pytest.raises(SystemExit):
+        main(["xyz"])
+    assert "did you mean" not in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not shutil.which("bash"), reason="completes in bash")
+def test_a_shell_completes_subcommands_and_options(tmp_path):
+    pytest.importorskip("shtab", reason="needs the extra `completion`")
+    script = tmp_path / "numpy-cae.sh"
+    script.write_text(run_python("-m", "numpy_cae", "--completion", "bash").stdout)
+    for line, completed in (("numpy-cae rep", "repair"), ("numpy-cae repair --smo", "--smooth")):
+        words = line.split()
+        code = (
+            f"source {script}; COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; "
+            "_shtab_numpy_cae numpy-cae; echo ${COMPREPLY[@]}"
+        )
+        shell = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True)
+        assert completed in shell.stdout.split()
 
 
 def test_a_reader_that_ends_early_is_no_error(walks):
