@@ -1,6 +1,6 @@
-"""Measure the curves and the corrections of `fill` in holes of sources left out of training.
+"""Measure the candidates of `fill` in holes of sources left out of training.
 
-    numpy-cae train bandai motions -o no_cmu.npz --recipe starter
+    numpy-cae train bandai -o no_cmu.npz --recipe fast
     python -m tools.fill_strengths no_cmu.npz cmu/asfamc \
         -o numpy_cae/cleanup/fill_strengths.json
 
@@ -10,29 +10,35 @@ candidate of `numpy_cae.cleanup.holes`. The table that is written has the mean o
 
     r_k = log e_k - log e_0
 
-with e_k the mean error of candidate k in a hole, and candidate 0 the first curve and the strength
-0. Bandai Namco's set is not in the folder, so that the results of the starter model on it are not
-those of a choice on it.
+with e_k the mean error of candidate k in a hole, and candidate 0 the first curve, the share 0 and
+the strength 0. Bandai Namco's set is not in the folder, so that the results of the starter model on
+it are not those of a choice on it.
 """
 
 import argparse
 import json
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.cleanup.holes import (
+    CORRECTED,
     LEAST_ERROR_METRES,
     POWERS,
+    STRENGTHS,
+    TURNED,
     Trials,
     correct_body,
     interpolate_body,
     measure_errors,
+    regress_body,
     weights,
 )
+from numpy_cae.cleanup.interpolation import interpolate_joints, mark_unknown_channels
+from numpy_cae.cleanup.regression import blend_rotations, regress_rotations
 from numpy_cae.manifold import MotionManifold, load_manifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.mocap.retargeting.body import Body
@@ -60,9 +66,11 @@ Logs = dict[Part, list[np.ndarray]]
 """For each hole the logarithms of the candidates' errors."""
 
 
-def errors_of(manifold: MotionManifold, folder: Path, curves: dict[Part, Curve]) -> Logs:
+def errors_of(
+    manifold: MotionManifold, folder: Path, curves: dict[Part, Curve], shares: dict[Part, float]
+) -> Logs:
     """The logarithms of the errors in takes of a folder: of the curves if `curves` is empty, else
-    of the strengths on these curves."""
+    of the shares on these curves if `shares` is empty, else of the strengths on both."""
     logs: Logs = defaultdict(list)
     for number, path in enumerate(evenly(find_motion_files(folder), TAKES)):
         motion = load_motion(path)
@@ -72,7 +80,14 @@ def errors_of(manifold: MotionManifold, folder: Path, curves: dict[Part, Curve])
             frames = np.flatnonzero(mask.any(axis=1))
             hole = Trials(np.where(mask, part[0], ""), [int(frames[0])], len(frames))
             if curves:
-                candidates = correct_body(manifold, body, mask, lambda *_, part=part: curves[part])
+                start = interpolate_joints(motion, mask, lambda *_, part=part: curves[part])
+                unknown, _ = mark_unknown_channels(motion, mask)
+                regressed = list(regress_rotations(body, unknown, mask))
+            if shares:
+                start = blend_rotations(start, regressed, lambda *_, part=part: shares[part])
+                candidates = correct_body(manifold, body, mask, start)
+            elif curves:
+                candidates = regress_body(start, regressed)
             else:
                 candidates = (interpolate_body(body, mask, curve) for curve in CURVES.values())
             errors = measure_errors(body, hole, candidates)[part[0]]
@@ -103,10 +118,10 @@ def mean_of(sources: list[Logs]) -> dict[Part, np.ndarray]:
     return means
 
 
-def by_kind(means: dict[Part, np.ndarray]) -> dict[str, list[list[float]]]:
+def by_kind(means: dict[Part, np.ndarray], kinds: Iterable[str]) -> dict[str, list[list[float]]]:
     """Kind of hole to a row of the table for each length."""
     table = {}
-    for kind in PARTS:
+    for kind in kinds:
         table[kind] = [means[kind, length].round(3).tolist() for length in LENGTHS]
     return table
 
@@ -121,14 +136,21 @@ def main() -> None:
     args = parser.parse_args()
     manifolds = [load_manifold(model) for model in args.pairs[::2]]
     pairs = list(zip(manifolds, args.pairs[1::2], strict=True))
-    of_curves = mean_of([errors_of(*pair, {}) for pair in pairs])
+    of_curves = mean_of([errors_of(*pair, {}, {}) for pair in pairs])
     curves = {part: mean_curve(weights(r, None, POWERS["curves"])) for part, r in of_curves.items()}
-    of_strengths = mean_of([errors_of(*pair, curves) for pair in pairs])
+    of_shares = mean_of([errors_of(*pair, curves, {}) for pair in pairs])
+    shares = {}
+    for part, r in of_shares.items():
+        shares[part] = 0.0
+        if part[0] in TURNED:
+            shares[part] = float(weights(r, None, POWERS["shares"]) @ STRENGTHS)
+    of_strengths = mean_of([errors_of(*pair, curves, shares) for pair in pairs])
     table = {
         "made by": " ".join(map(str, ["python -m tools.fill_strengths", *args.pairs])),
         "lengths": LENGTHS,
-        "curves": by_kind(of_curves),
-        "strengths": by_kind(of_strengths),
+        "curves": by_kind(of_curves, PARTS),
+        "shares": by_kind(of_shares, TURNED),
+        "strengths": by_kind(of_strengths, CORRECTED),
     }
     with atomic_write(args.output) as path:
         path.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")

@@ -11,9 +11,13 @@ candidates is
     X = Σ_k w_k X_k,    w_k ∝ exp(-p l_k),    l_k = (Σ_i log e_ik + P r_k) / (I + P)
 
 with P = `PRIOR_TRIALS`. So w_k falls with the p-th power of the error. The candidates are first the
-`CURVES` of the rig's rotations. Then, on their mean X_0, they are X_0 + s (X_N - X_0) for each s of
-`STRENGTHS`, with X_N the correction of `manifold.fill`; their mean has the strength s = Σ_k w_k
-s_k. A hole for which no trial fits into the file has the weights of other sources, I = 0.
+`CURVES` of the rig's rotations. For the end of a limb alone, each unknown rotation R_c on their
+mean is moved towards the rotation R_v that the visible joints predict (`cleanup.regression`), by
+each share s of `STRENGTHS`: R_c (R_c⁻¹ R_v)^s. For other holes the candidates on the mean X_0 of
+the curves are X_0 + s (X_N - X_0) for each s of `STRENGTHS`. X_N are the positions that the visible
+joints predict for an arm or a leg, and for a pose the correction of `manifold.fill`. The mean of
+candidates that differ in s only has s = Σ_k w_k s_k. A hole for which no trial fits into the file
+has the weights of other sources, I = 0.
 """
 
 import json
@@ -28,11 +32,21 @@ import numpy as np
 
 from numpy_cae.cleanup.finding import Finding
 from numpy_cae.cleanup.interpolation import (
+    find_moved_joints,
     interpolate_channels,
     interpolate_joints,
+    mark_damaged_channels,
     mark_missing_joints,
+    mark_unknown_channels,
 )
 from numpy_cae.cleanup.kinds import MARKED
+from numpy_cae.cleanup.regression import (
+    Regressed,
+    ShareAt,
+    blend_rotations,
+    regress_positions,
+    regress_rotations,
+)
 from numpy_cae.manifold.filling import HOLE_KINDS, classify_holes, complete_from_curves, fill
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body, at_rate_of, body_of
@@ -53,10 +67,14 @@ than that of any take of a source left out of training (docs/lab_book/detection.
 LONG_SECONDS = 0.1
 """The manifold corrects what was interpolated over at least this time (s)."""
 STRENGTHS = np.linspace(0.0, 1.0, 5)
-"""These values of s of the module's equation are tried."""
-POWERS = {"curves": 8.0, "strengths": 16.0}
+"""These values of s of the module's equations are tried."""
+POWERS = {"curves": 8.0, "shares": 8.0, "strengths": 16.0}
 """The p of the module's equation, chosen on sources left out of training
 (docs/lab_book/filling.md)."""
+TURNED = ("end",)
+"""Kinds of holes whose rotations are moved towards those that the visible joints predict."""
+CORRECTED = ("arm", "leg", "pose")
+"""Kinds of holes whose positions are corrected."""
 PRIOR_TRIALS = 2.0
 """The number of trials that other sources count as, chosen in the same way."""
 TRIALS_SECONDS = 5.0
@@ -145,11 +163,24 @@ class Holes:
         return retarget(motion, targets, self.in_file, self.start)
 
 
-def holes_of(body: Body, findings: list[Finding], curve_at: CurveAt = eased_everywhere) -> Holes:
-    """The holes of findings, with their damaged channels interpolated."""
-    missing = mark_missing_joints(body.motion, findings)
+def holes_of(
+    body: Body,
+    findings: list[Finding],
+    curve_at: CurveAt = eased_everywhere,
+    share_at: ShareAt | None = None,
+) -> Holes:
+    """The holes of findings, with their damaged channels interpolated, and with their rotations
+    predicted from the visible joints by the share that `share_at` has for each joint of the rig."""
+    motion = body.motion
+    missing = mark_missing_joints(motion, findings)
     in_holes = np.asarray(missing.any(axis=1))
-    start = interpolate_channels(body.motion, findings, curve_at, in_holes)
+    start = interpolate_channels(motion, findings, curve_at, in_holes)
+    if share_at is not None:
+        unknown, _ = mark_damaged_channels(motion, findings)
+        unknown &= in_holes[:, None]
+        start = blend_rotations(
+            start, regress_rotations(body, unknown, missing), share_at, in_holes
+        )
     return Holes(body, missing, start)
 
 
@@ -199,9 +230,42 @@ def complete_holes(
 def fill_holes(manifold: MotionManifold, body: Body, findings: list[Finding]) -> Motion:
     """The motion of a body with the holes of findings filled in by the manifold."""
     missing = mark_missing_joints(body.motion, findings)
-    curve_at, strength = choose_curves_and_strengths(manifold, body, missing)
-    holes = holes_of(body, findings, curve_at)
-    return holes.move_to(complete_from_curves(manifold, holes.features, holes.mask, strength))
+    chosen = choose_candidates(manifold, body, missing)
+    ends = find_moved_joints(body.motion)
+    holes = holes_of(
+        body,
+        findings,
+        chosen.curve_at,
+        lambda joint, first: chosen.share_at(ends[joint], first),
+    )
+    corrected = correct_features(manifold, holes.features, holes.mask)
+    strength = np.where(holes.mask.all(axis=0), 1.0, chosen.strength)
+    return holes.move_to(mix_features(holes.features, corrected, strength))
+
+
+def correct_features(
+    manifold: MotionManifold, features: np.ndarray, missing: np.ndarray
+) -> np.ndarray:
+    """X_N of the module's equation, (F, 63), from X_0 (F, 63) and what is missing (F, 20).
+
+    A joint that is missing in all frames is what the manifold makes of the mean pose.
+    """
+    kinds = classify_holes(missing)
+    always = np.asarray(missing.all(axis=0))
+    is_pose = missing & ((kinds == HOLE_KINDS.index("pose")) | always)
+    by_network = complete_from_curves(manifold, features, is_pose, np.ones(missing.shape))
+    by_visible = regress_positions(features, missing)
+    is_limb = (kinds == HOLE_KINDS.index("arm")) | (kinds == HOLE_KINDS.index("leg"))
+    return mix_features(by_network, by_visible, is_limb & ~always)
+
+
+def mix_features(features: np.ndarray, target: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """The features (F, 63) with the positions of joints moved by a share (F, 20) towards those of
+    target features (F, 63)."""
+    mixed = np.array(features, dtype=np.float64)
+    points = local_positions(mixed)  # a view
+    points += share[..., None] * (local_positions(target) - points)
+    return mixed
 
 
 def _is_filled(finding: Finding, rate: float) -> bool:
@@ -230,10 +294,44 @@ class Trials(NamedTuple):
     size: int
 
 
-def choose_curves_and_strengths(
-    manifold: MotionManifold, body: Body, missing: np.ndarray
-) -> tuple[CurveAt, np.ndarray]:
-    """The curve of each hole, and the strength of the correction of each missing joint.
+class Choice(NamedTuple):
+    """The mean of the candidates for joints of one kind in a hole.
+
+    Parameters
+    ----------
+    curve : Curve
+        The mean of `CURVES`.
+    share : float
+        The share s of the rotations that the visible joints predict.
+    strength : float
+        The strength s of the correction by the network.
+    """
+
+    curve: Curve
+    share: float
+    strength: float
+
+
+class Choices(NamedTuple):
+    """The means of the candidates in all holes of a motion.
+
+    Parameters
+    ----------
+    curve_at : CurveAt
+        The curve for one of the twenty joints and a frame in which it is missing.
+    share_at : ShareAt
+        The share for the same.
+    strength : (F, 20) array of float
+        At thirty frames a second; 0 where nothing is missing.
+    """
+
+    curve_at: CurveAt
+    share_at: ShareAt
+    strength: np.ndarray
+
+
+def choose_candidates(manifold: MotionManifold, body: Body, missing: np.ndarray) -> Choices:
+    """Weigh the candidates in each hole.
 
     Parameters
     ----------
@@ -245,16 +343,14 @@ def choose_curves_and_strengths(
 
     Returns
     -------
-    CurveAt, (F, 20) array of float
-        For a joint and a frame in which it is missing, the mean of `CURVES`; s of the module's
-        equation at thirty frames a second, 0 where nothing is missing.
+    Choices
     """
     source = body.motion.source_frames(RATE)
     number = run_numbers(missing)
     hole_kinds = classify_holes(missing)
     kinds_at_rate = classify_holes(at_thirty(body.motion, missing))
     strength = np.zeros(kinds_at_rate.shape)
-    curves = dict[int, Curve]()
+    choices = dict[int, Choice]()
     always = np.asarray(missing.all(axis=0))
     holes = runs(np.asarray((missing & ~always).any(axis=1)))
     longest_first = holes[np.argsort(holes[:, 0] - holes[:, 1], kind="stable")]
@@ -262,11 +358,21 @@ def choose_curves_and_strengths(
         hole = slice(first, end)
         best = choose_in_hole(manifold, body, hole_kinds, always, hole, rank < MOST_HOLES)
         at_rate = slice(*np.searchsorted(source, [first - 1, end + 1]))
-        for kind, (curve, s) in best.items():
-            strength[at_rate][kinds_at_rate[at_rate] == HOLE_KINDS.index(kind)] = s
+        for kind, choice in best.items():
+            is_kind = kinds_at_rate[at_rate] == HOLE_KINDS.index(kind)
+            strength[at_rate][is_kind] = choice.strength
             of_kind = number[first:end][hole_kinds[first:end] == HOLE_KINDS.index(kind)]
-            curves |= dict.fromkeys(np.unique(of_kind), curve)
-    return (lambda joint, frame: curves.get(number[frame, joint], eased)), strength
+            choices |= dict.fromkeys(np.unique(of_kind), choice)
+    default = Choice(eased, 0.0, 0.0)
+
+    def choice_at(joint: int, frame: int) -> Choice:
+        return choices.get(number[frame, joint], default)
+
+    return Choices(
+        lambda joint, frame: choice_at(joint, frame).curve,
+        lambda joint, frame: choice_at(joint, frame).share,
+        strength,
+    )
 
 
 def choose_in_hole(
@@ -276,8 +382,8 @@ def choose_in_hole(
     always: np.ndarray,
     hole: slice,
     tried: bool,
-) -> dict[str, tuple[Curve, float]]:
-    """The curve and the strength for each kind in a hole, which is a run of frames.
+) -> dict[str, Choice]:
+    """The choice for each kind in a hole, which is a run of frames.
 
     `hole_kinds` (frames, 20) are those of `classify_holes`; `always` (20,) says which joints are
     missing in all frames. Only if `tried` there are trials.
@@ -300,15 +406,38 @@ def choose_in_hole(
     def curve_at(joint: int, frame: int) -> Curve:
         return curves.get(trials.hole_kinds[frame, joint], eased)
 
-    corrections = correct_body(manifold, clip, hidden, curve_at)
-    by_strength = _weights_of("strengths", seconds, measure_errors(clip, trials, corrections))
-    return {kind: (curves[kind], float(by_strength[kind] @ STRENGTHS)) for kind in seconds}
+    start = interpolate_joints(clip.motion, hidden, curve_at)
+    shares = dict[str, float]()
+    turned_kinds = {kind: seconds[kind] for kind in names if kind in TURNED}
+    if turned_kinds:
+        unknown, _ = mark_unknown_channels(clip.motion, hidden)
+        regressed = list(regress_rotations(clip, unknown, hidden)) if trials.starts else []
+        errors = measure_errors(clip, trials, regress_body(start, regressed))
+        for kind, weight in _weights_of("shares", turned_kinds, errors).items():
+            shares[kind] = float(weight @ STRENGTHS)
+        ends = find_moved_joints(clip.motion)
+
+        def share_at(joint: int, frame: int) -> float:
+            return shares.get(trials.hole_kinds[frame, ends[joint]], 0.0)
+
+        start = blend_rotations(start, regressed, share_at)
+    strengths = dict[str, float]()
+    corrected_kinds = {kind: seconds[kind] for kind in names if kind in CORRECTED}
+    if corrected_kinds:
+        errors = measure_errors(clip, trials, correct_body(manifold, clip, hidden, start))
+        for kind, weight in _weights_of("strengths", corrected_kinds, errors).items():
+            strengths[kind] = float(weight @ STRENGTHS)
+    choices = {}
+    for kind in names:
+        choices[kind] = Choice(curves[kind], shares.get(kind, 0.0), strengths.get(kind, 0.0))
+    return choices
 
 
 def _weights_of(
     name: str, seconds: dict[str, float], errors: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """The weights of the candidates for "curves" or "strengths", for each kind of hole."""
+    """The weights of the candidates for "curves", "shares" or "strengths", for each kind of
+    hole."""
     priors = {kind: prior(name, kind, duration) for kind, duration in seconds.items()}
     return {kind: weights(r, errors.get(kind), POWERS[name]) for kind, r in priors.items()}
 
@@ -318,13 +447,24 @@ def interpolate_body(body: Body, missing: np.ndarray, curve: Curve) -> np.ndarra
     return body_of(interpolate_joints(body.motion, missing, lambda *_: curve))
 
 
+def regress_body(start: Motion, regressed: list[Regressed]) -> Iterator[np.ndarray]:
+    """The positions (F, 20, 3) of a motion whose unknown rotations are on curves, with each of
+    `STRENGTHS` as the share of the regression.
+
+    The positions between those of the shares 0 and 1 are linear, as if rotations were small.
+    """
+    x0 = body_of(start)
+    x1 = body_of(blend_rotations(start, regressed, lambda *_: 1.0))
+    for share in STRENGTHS:
+        yield x0 + share * (x1 - x0)
+
+
 def correct_body(
-    manifold: MotionManifold, body: Body, missing: np.ndarray, curve_at: CurveAt
+    manifold: MotionManifold, body: Body, missing: np.ndarray, start: Motion
 ) -> Iterator[np.ndarray]:
-    """The positions (F, 20, 3) for each of `STRENGTHS`."""
-    start = interpolate_joints(body.motion, missing, curve_at)
+    """The positions (F, 20, 3) for each of `STRENGTHS`; `start` is the motion of X_0."""
     holes = Holes(body, missing, start.at(np.asarray(missing.any(axis=1))))
-    full = complete_from_curves(manifold, holes.features, holes.mask, np.ones(holes.mask.shape))
+    full = correct_features(manifold, holes.features, holes.mask)
     x0 = holes.positions_of(holes.features)
     xn = holes.positions_of(full)
     for s in STRENGTHS:
@@ -382,8 +522,8 @@ def place_trials(is_visible: np.ndarray, pattern: np.ndarray, rate: float) -> Tr
 
 
 def prior(name: str, kind: str, seconds: float) -> np.ndarray:
-    """r of the module's equation for "curves" or "strengths", by the kind and duration of a hole,
-    interpolated over the logarithm of the duration."""
+    """r of the module's equation for "curves", "shares" or "strengths", by the kind and duration of
+    a hole, interpolated over the logarithm of the duration."""
     table = read_fill_table()
     lengths = np.log(table["lengths"])
     columns = np.transpose(table[name][kind])

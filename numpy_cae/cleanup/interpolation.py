@@ -182,8 +182,14 @@ def mark_unknown_channels(motion: Motion, missing: np.ndarray) -> tuple[np.ndarr
 
 
 def curves_of_rig(motion: Motion, curve_at: CurveAt) -> CurveAt:
-    """The curves of the twenty joints as those of the joints of the rig: each has that of the first
-    of the twenty that it moves, or of the hips where it moves none."""
+    """The curves of the twenty joints as those of the joints of the rig."""
+    ends = find_moved_joints(motion)
+    return lambda channel, first: curve_at(ends[channel], first)
+
+
+def find_moved_joints(motion: Motion) -> list[int]:
+    """For each joint of the rig the first of the twenty joints that it moves, or the hips where it
+    moves none."""
     joints = rig_of(motion).joints
     ends = [0] * len(motion.skeleton.names)
     for number in reversed(range(len(joints))):
@@ -192,4 +198,4 @@ def curves_of_rig(motion: Motion, curve_at: CurveAt) -> CurveAt:
             path = path[1:]
         for joint in path:
             ends[joint] = number
-    return lambda channel, first: curve_at(ends[channel], first)
+    return ends

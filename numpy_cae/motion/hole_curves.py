@@ -125,13 +125,12 @@ CURVES: dict[str, Curve] = {
     "eased": eased,
     "pchip": join_speeds(pchip, BRIEF_SECONDS),
     "cubic": cubic,
-    "slerp": join_speeds(slerp, BRIEF_SECONDS),
 }
 """The curves of `fill` and `repair` by name; the speed jumps in none of them."""
 
 
 def mean_curve(weights: np.ndarray) -> Curve:
-    """The mean of `CURVES` with these weights, (4,), whose sum is 1."""
+    """The mean of `CURVES` with these weights, (3,), whose sum is 1."""
 
     def mean(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
         parts = [curve(keys, values, times) for curve in CURVES.values()]

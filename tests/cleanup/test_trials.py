@@ -6,11 +6,27 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.cleanup.holes import PRIOR_TRIALS, choose_curves_and_strengths, place_trials, weights
+from numpy_cae.cleanup.holes import (
+    POWERS,
+    PRIOR_TRIALS,
+    STRENGTHS,
+    choose_candidates,
+    correct_features,
+    place_trials,
+    prior,
+    weights,
+)
 from numpy_cae.cleanup.interpolation import interpolate_joints, mark_unknown_channels
+from numpy_cae.cleanup.regression import regress_positions
+from numpy_cae.manifold.filling import complete_from_curves
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import JOINTS
-from numpy_cae.motion.hole_curves import CURVES, interpolate_rotations, interpolate_values
+from numpy_cae.motion.hole_curves import (
+    CURVES,
+    interpolate_rotations,
+    interpolate_values,
+    slerp,
+)
 from numpy_cae.motion.joints import joint_mask
 from numpy_cae.motion.quaternions import angle, from_vector, inverse, product
 
@@ -80,14 +96,34 @@ def test_a_motion_on_a_smooth_curve_is_filled_by_the_cubic(walk_manifold):
     rotations[:, shoulder] = from_vector(swing)
     motion = replace(walk, rotations=rotations)
     hole = joint_mask(180, ["left_elbow", "left_wrist"], slice(80, 90))
-    curve_at, strength = choose_curves_and_strengths(
-        walk_manifold, Body(motion, walk_manifold.lengths), hole
-    )
+    choices = choose_candidates(walk_manifold, Body(motion, walk_manifold.lengths), hole)
+    curves = {**CURVES, "slerp": slerp}
     filled = {
-        name: interpolate_joints(motion, hole, lambda *_, c=c: c) for name, c in CURVES.items()
+        name: interpolate_joints(motion, hole, lambda *_, c=c: c) for name, c in curves.items()
     }
-    filled["chosen"] = interpolate_joints(motion, hole, curve_at)
+    filled["chosen"] = interpolate_joints(motion, hole, choices.curve_at)
     for name, each in filled.items():
         filled[name] = angle(product(inverse(rotations), each.rotations))[80:90, shoulder].max()
     assert filled["chosen"] < min(0.2 * filled["slerp"], 1.5 * filled["cubic"])
-    assert strength.shape == (180, 20) and not strength[~hole].any()
+    assert choices.strength.shape == (180, 20) and not choices.strength[~hole].any()
+
+
+def test_a_motion_that_is_too_short_for_trials_has_the_share_of_other_sources(walk_manifold):
+    walk = make_take("walk", 3, seconds=2.0, rate=30.0).motion
+    hole = joint_mask(60, ["left_wrist"], slice(8, 53))
+    choices = choose_candidates(walk_manifold, Body(walk, walk_manifold.lengths), hole)
+    weight = weights(prior("shares", "end", 45 / 30), None, POWERS["shares"])
+    share = choices.share_at(JOINTS.index("left_wrist"), 8)
+    np.testing.assert_allclose(share, weight @ STRENGTHS)
+
+
+def test_arms_are_predicted_by_the_visible_joints_and_poses_by_the_network(walk_manifold):
+    walk = make_take("walk", 3, seconds=4.0, rate=30.0).motion
+    features = Body(walk, walk_manifold.lengths).features
+    arm = joint_mask(120, ["left_elbow", "left_wrist"], slice(50, 70))
+    pose = joint_mask(120, JOINTS, slice(50, 70))
+    of_arm = correct_features(walk_manifold, features, arm)
+    np.testing.assert_array_equal(of_arm, regress_positions(features, arm))
+    of_pose = correct_features(walk_manifold, features, pose)
+    by_network = complete_from_curves(walk_manifold, features, pose, np.ones(pose.shape))
+    np.testing.assert_array_equal(of_pose, by_network)
