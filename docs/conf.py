@@ -120,7 +120,9 @@ def write_api() -> None:
 def page_of_name(name: str, kind: str) -> str:
     """The page of a public name; its title is short, so that the list beside it is."""
     members = "\n   :members:" if kind == "autoclass" else ""
-    title = name.removeprefix("numpy_cae.")
+    title = (
+        name.removeprefix("numpy_cae.") if ".public." not in name else name.replace("public.", "")
+    )
     return f"# {title}\n\n```{{eval-rst}}\n.. {kind}:: {name}{members}\n```\n"
 
 
