@@ -5,15 +5,13 @@ So a function is tested as its cell alone defines it, with the names that the le
 """
 
 import ast
-import dis
 import linecache
-from collections.abc import Callable, Iterator
-from types import CodeType
+from collections.abc import Callable
 
 import numpy as np
 
 from numpy_cae.course.catalogue import CATALOGUE, LESSONS
-from numpy_cae.course.mine_file import definitions_of
+from numpy_cae.course.mine_file import definitions_of, global_names
 from numpy_cae.verify.checks.messages import file_of
 from numpy_cae.verify.grading.sandbox import DO_THE_EXERCISE
 from numpy_cae.verify.grading.submission import MAGIC
@@ -54,7 +52,7 @@ def as_graded(name: str, function: Callable) -> tuple[Callable, list[str]]:
     code = getattr(alone, "__code__", None)
     if code is None:
         return alone, problems
-    missing = [used for used in _global_names(code) if used not in space]
+    missing = [used for used in global_names(code) if used not in space]
     elsewhere = [used for used in missing if used in getattr(function, "__globals__", {})]
     for used in dict.fromkeys(elsewhere):
         problems.append(
@@ -107,13 +105,3 @@ def _raise(error: Exception) -> Callable:
         raise error
 
     return fail
-
-
-def _global_names(code: CodeType) -> Iterator[str]:
-    """The global names that a function and the functions in it use."""
-    for instruction in dis.get_instructions(code):
-        if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
-            yield str(instruction.argval)
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _global_names(constant)

@@ -8,12 +8,13 @@ student's functions; for those that `mine.py` lacks, it imports the package's ow
 """
 
 import ast
+import dis
 import linecache
 import os
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
@@ -120,19 +121,6 @@ def _require_complete(name: str, saved: Callable) -> None:
             raise NotSavedError(f"{problem}. Define what it needs in its own cell")
 
 
-def definitions_of(tree: ast.Module, name: str) -> ast.Module:
-    """The statements of a cell that mine.py takes, and what gives a function its name."""
-    statements: list[ast.stmt] = []
-    for statement in tree.body:
-        if _is_import(statement) and not _imports_mine(statement):
-            statements.append(statement)
-        elif _names(statement):
-            statements.append(statement)
-        elif isinstance(statement, ast.Assign) and name in _target_names(statement.targets):
-            statements.append(statement)
-    return ast.Module(statements, type_ignores=[])
-
-
 def with_definitions(text: str, cell: str) -> str:
     """The text of mine.py with the definitions of a cell at the end, which replace older ones."""
     lines = text.splitlines()
@@ -140,8 +128,8 @@ def with_definitions(text: str, cell: str) -> str:
     imports = {ast.unparse(statement) for statement in statements if _is_import(statement)}
     added = []
     names: set[str] = set()
-    for statement in ast.parse(cell).body:
-        if ast.unparse(statement) not in imports and not _imports_mine(statement):
+    for statement in definitions_of(ast.parse(cell)).body:
+        if ast.unparse(statement) not in imports:
             added.append(statement)
             names |= _names(statement)
     for statement in reversed(statements):
@@ -149,10 +137,55 @@ def with_definitions(text: str, cell: str) -> str:
             del lines[_first_line(statement) - 1 : statement.end_lineno]
     blocks = ["\n".join(lines).rstrip()]
     for statement in added:
-        if _is_import(statement) or _names(statement):
-            source = cell.splitlines()[_first_line(statement) - 1 : statement.end_lineno]
-            blocks.append("\n".join(source))
+        source = cell.splitlines()[_first_line(statement) - 1 : statement.end_lineno]
+        blocks.append("\n".join(source))
     return "\n\n\n".join(blocks) + "\n"
+
+
+def definitions_of(tree: ast.Module, name: str = "") -> ast.Module:
+    """The statements of a cell that mine.py takes.
+
+    These are imports, functions, classes, constants, and what functions and classes need of the
+    other assignments. A name that is given is needed, too.
+    """
+    needed = {name}
+    for statement in tree.body:
+        if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+            needed |= _global_names(statement)
+    for statement in reversed(tree.body):
+        if _names(statement) & needed:
+            needed |= _global_names(statement)
+    statements: list[ast.stmt] = []
+    for statement in tree.body:
+        is_needed = bool(_names(statement) & needed)
+        if is_needed or _is_definition(statement):
+            statements.append(statement)
+    return ast.Module(statements, type_ignores=[])
+
+
+def _is_definition(statement: ast.stmt) -> bool:
+    """Whether mine.py takes a statement wherever it is used."""
+    if _is_import(statement):
+        return not _imports_mine(statement)
+    if isinstance(statement, ast.Assign) and not _is_constant(statement.value):
+        return False
+    return bool(_names(statement))
+
+
+def _global_names(statement: ast.stmt) -> set[str]:
+    """The global names that a statement, and the functions in it, use."""
+    code = compile(ast.Module([statement], type_ignores=[]), FILE, "exec")
+    return set(global_names(code))
+
+
+def global_names(code: CodeType) -> Iterator[str]:
+    """The global names that a piece of code, and the functions in it, use."""
+    for instruction in dis.get_instructions(code):
+        if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+            yield str(instruction.argval)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from global_names(constant)
 
 
 def _is_import(statement: ast.stmt) -> bool:
@@ -165,10 +198,10 @@ def _imports_mine(statement: ast.stmt) -> bool:
 
 
 def _names(statement: ast.stmt) -> set[str]:
-    """The names of a function, a class or constants; of any other statement, none."""
+    """The names that a function, a class or an assignment defines; of others, none."""
     if isinstance(statement, ast.FunctionDef | ast.ClassDef):
         return {statement.name}
-    if isinstance(statement, ast.Assign) and _is_constant(statement.value):
+    if isinstance(statement, ast.Assign):
         return _target_names(statement.targets)
     return set()
 

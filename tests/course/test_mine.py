@@ -118,6 +118,31 @@ def test_a_function_with_a_helper_in_another_cell_is_not_solved(mine, capsys):
     assert mine.read_text() == EMPTY
 
 
+COMPUTED = """
+unused = rate_of_nothing
+base = np.array([1.0])
+ONE = base[0] / 1
+
+
+def sgd_step(parameter, gradient, rate, decay, epoch):
+    unused = rate
+    return parameter - unused * decay ** (ONE * epoch) * gradient
+"""
+
+
+def test_what_the_cell_computes_for_its_function_is_saved(mine, capsys):
+    in_kernel = in_cell("sgd_step", COMPUTED, rate_of_nothing=0)
+    assert course.report("sgd_step", in_kernel).held
+    assert course.solved("sgd_step", in_kernel) is in_kernel
+    assert "ONE = base[0] / 1" in mine.read_text() and "rate_of_nothing" not in mine.read_text()
+
+
+def test_what_a_cell_computed_is_replaced_with_its_function(mine):
+    for _ in range(2):
+        course.solved("sgd_step", in_cell("sgd_step", COMPUTED, rate_of_nothing=0))
+    assert mine.read_text().count("ONE = ") == 1
+
+
 def test_a_helper_that_only_the_pullback_calls_is_named(mine, capsys):
     source = "def tanh(x):\n    y = np.tanh(x)\n    return y, lambda dy: dy * slope(y)\n"
     tanh = in_cell("tanh", source, slope=lambda y: 1 - y * y)
