@@ -2,8 +2,9 @@
 of the motions in --data; without --data it is uniform, and its samples hardly resemble motion. A
 sequential model draws clips of its own length from its own prior.
 
-example, with the files that `numpy-cae demo` writes:
-  numpy-cae sample --data demo/ -o new.bvh --number 3 --like demo/true.bvh --html
+examples, of which the first makes synthetic motions:
+  python -m data_synth walks --minutes 2 --kinds walk
+  numpy-cae sample --data walks/ -o new.bvh --number 3 --like walks/01/01_01.bvh --html
 """
 
 import argparse
