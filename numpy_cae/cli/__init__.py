@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from numpy_cae import __version__
+from numpy_cae.atomic_write import replacing
 from numpy_cae.cli.shared.output import visible_output
 from numpy_cae.errors import NumpyCaeError
 
@@ -42,6 +43,8 @@ SUBCOMMANDS = {name: _first_sentence(name) for name in " ".join(GROUPS.values())
 """Each subcommand, which is the module of that name, with its help in one sentence."""
 
 
+NARROWEST = 40
+"""Help is laid out for at least so many columns."""
 SHELLS = ("bash", "zsh", "tcsh")
 """The shells for which `--completion` prints a script."""
 
@@ -106,7 +109,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     name = _parser().parse_args(argv if is_option else argv[:1]).command
     try:
         args = subcommand_parser(name).parse_args(argv[1:])  # imports for a second
-        status = args.run(args)
+        with replacing(getattr(args, "overwrite", False)):
+            status = args.run(args)
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # as in `numpy-cae repair … | head`
@@ -166,7 +170,7 @@ def _overview() -> str:
 
 
 def _columns() -> int:
-    return min(shutil.get_terminal_size().columns, 81) - 2
+    return max(NARROWEST, min(shutil.get_terminal_size().columns, 81) - 2)
 
 
 def subcommand_parser(name: str) -> argparse.ArgumentParser:

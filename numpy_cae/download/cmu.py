@@ -16,6 +16,7 @@ from multiprocessing import TimeoutError as RanOut
 from multiprocessing.pool import ThreadPool
 from pathlib import Path
 
+from numpy_cae.atomic_write import atomic_write, replacing
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.progress import ProgressLine, time_to_go
 
@@ -132,7 +133,8 @@ def _write_checksums(path: Path, checksums: dict[str, str | None]) -> None:
     """Write the checksums, unless none is known."""
     lines = [f"{name} {checksum}\n" for name, checksum in sorted(checksums.items()) if checksum]
     if lines:
-        path.write_text("".join(lines), encoding="utf-8")
+        with replacing(True), atomic_write(path) as temporary:  # its lines are among these
+            temporary.write_text("".join(lines), encoding="utf-8")
 
 
 def _read_checksums(path: Path) -> dict[str, str | None]:

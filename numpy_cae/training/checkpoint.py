@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.array_file import ModelFileError, load_arrays, save_arrays
+from numpy_cae.atomic_write import replacing
 from numpy_cae.errors import FileError, NumpyCaeError
 from numpy_cae.models.sequential_autoencoder import Weights
 from numpy_cae.training.state import POSITION, TrainingState
@@ -125,7 +126,8 @@ class Checkpoint:
         saved_before = self.saved
         self.saved = ""
         try:
-            save_arrays(arrays, self.path, compressed=False)
+            with replacing(True):  # `begin_run` has read what exists
+                save_arrays(arrays, self.path, compressed=False)
         except FileError as error:
             self.saved = saved_before
             advice = "Correct that and continue with --resume"

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from numpy_cae.atomic_write import atomic_write
+from numpy_cae.atomic_write import atomic_write, stamped
 from numpy_cae.visible import visible
 from numpy_cae.viz.actor import Actor
 
@@ -74,7 +74,7 @@ def save_viewer(
     page = page_html(actors, rate, title, **shown)
     page = page.replace("</h1>", f"</h1>\n{_summary_html(summary, measures)}", 1)
     with atomic_write(path) as temporary:
-        Path(temporary).write_text(page, encoding="utf-8")
+        temporary.write_text(stamped(page), encoding="utf-8", newline="\n")
 
 
 def _summary_html(summary: Sequence[str], measures: Sequence[tuple[str, str, str]]) -> str:

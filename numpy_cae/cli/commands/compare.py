@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.cli.shared import files
+from numpy_cae.cli.shared import arguments, files
 from numpy_cae.manifold import distance_matrix, hidden_units, signature
 from numpy_cae.visible import csv_cell, visible
 from numpy_cae.viz import matrix_figure, save_figure
@@ -25,10 +25,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     files.add_model_arguments(parser)
     add("-o", "--output", type=Path, metavar="CSV", help="path of the matrix of G")
     add("--picture", type=Path, metavar="PNG", help="path of a picture of the matrix")
+    arguments.add_shared(parser, "overwrite")
 
 
 def run(args: argparse.Namespace) -> int:
     """Compute, print and write the distances."""
+    arguments.require_different({"-o": args.output, "--picture": args.picture})
     manifold = files.load_model(args)
     below = files.named_files(args.motions)
     is_unique = len(set(below.values())) == len(below)

@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The folder, the seed and the progress."""
     output = "folder for all results, created if it does not exist (default: demo)"
     parser.add_argument("-o", "--output", **arguments.FOLDER, default=Path("demo"), help=output)
-    arguments.add_shared(parser, "seed quiet")
+    arguments.add_shared(parser, "overwrite seed quiet")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -47,8 +47,9 @@ def run(args: argparse.Namespace) -> int:
                 progress(0.0)
                 filled = fill_motion(motion, manifold, _missing(args, motion))
                 summary = summary_of_filling(source, motion, filled)
-                written = change_files.write_motion(outcome, source, motion, filled)
+                # The motion last: where its page may not be replaced, nothing is written.
                 page, row = change_files.write_page(outcome, source, motion, filled, summary)
+                written = change_files.write_motion(outcome, source, motion, filled)
                 written |= page
                 change_files.print_summary(outcome, source, motion, filled, summary, written)
                 outcome.rows.append(row)

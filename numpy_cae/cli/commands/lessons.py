@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     source = "folder of the lessons (default: the package's)"
     add("--from", dest="source", default=copies.lessons_folder(), **arguments.FOLDER, help=source)
     add("--only", metavar="NN", help="number of the only lesson to process")
+    arguments.add_shared(parser, "overwrite")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -79,10 +79,11 @@ def run(args: argparse.Namespace) -> int:
                 progress(0.0)
                 repaired = _repair(args, motion, manifold, preset, progress)
                 summary = summary_of_repair(args, source, target, motion, repaired)
-                written = change_files.write_motion(outcome, source, motion, repaired)
+                # The motion last: where a page or findings may not be replaced, nothing is written.
+                findings = change_files.write_file_of_findings(outcome, source, repaired)
                 page, row = change_files.write_page(outcome, source, motion, repaired, summary)
-                written |= page
-                written |= change_files.write_file_of_findings(outcome, source, repaired)
+                written = change_files.write_motion(outcome, source, motion, repaired)
+                written |= page | findings
                 change_files.print_summary(outcome, source, motion, repaired, summary, written)
                 outcome.rows.append(row)
     return outcome.end()

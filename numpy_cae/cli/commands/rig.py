@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("file", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
     add("-o", "--output", type=Path, metavar="JSON", help="file to write: our names, the rig's")
-    arguments.add_shared(parser, "mapping unit up floor")
+    arguments.add_shared(parser, "overwrite mapping unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:

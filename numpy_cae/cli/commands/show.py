@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("files", nargs="+", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
     output = "folder of the pictures (default: the current one), or the .html file of a page"
     add("-o", "--output", type=Path, metavar="PATH", default=Path(), help=output)
-    arguments.add_shared(parser, "unit up floor")
+    arguments.add_shared(parser, "overwrite unit up floor")
 
 
 def run(args: argparse.Namespace) -> int:

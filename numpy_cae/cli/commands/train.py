@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from numpy_cae import training, viz
-from numpy_cae.atomic_write import require_place
+from numpy_cae.atomic_write import require_free
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import read_bodies, read_usable, split_for_test
 from numpy_cae.evaluation.tables import NOTE, compare_reconstructions, compare_repairs
@@ -75,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     engine = "code that computes the gradients: `fast`, or the definitions in `ops` (default: fast)"
     add("--engine", choices=("fast", "ops"), default="fast", help=engine)
     add("--resume", **arguments.FLAG, help="continue an interrupted run; the result is identical")
-    arguments.add_shared(parser, "seed quiet mapping unit up floor")
+    arguments.add_shared(parser, "overwrite seed quiet mapping unit up floor")
     add_options(parser, "training", COMMON)
     add_options(parser, "convolutional model", CONVOLUTIONAL)
     add_options(parser, "sequential model", SEQUENTIAL)
@@ -84,12 +84,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, train, save, measure and draw."""
     require_options_of_model(args)
-    require_place(args.output)
+    if args.output.suffix.lower() != ".npz":
+        raise ValueError(f"{args.output}: expected the name of a model file, which ends in .npz")
     state = args.output.with_name(f"{args.output.stem}.checkpoint.npz")
     checkpoint = training.Checkpoint(state, resume=args.resume)
     if args.resume and args.output.exists() and not state.exists():
         print(f"{args.output}: is complete, there is nothing to continue")
         return 0
+    picture = args.output.with_suffix(".png")
+    require_free(args.output)
+    require_free(picture)
     learn = _learn_sequences if args.model == "sequential" else _learn_windows
     with interruptible(checkpoint):
         settings = {
@@ -105,7 +109,6 @@ def run(args: argparse.Namespace) -> int:
         else:
             manifold.save(args.output)
         checkpoint.path.unlink(missing_ok=True)
-    picture = args.output.with_suffix(".png")
     viz.save_figure(viz.losses_figure(manifold.settings["losses"]), picture)
     hint = "" if args.test else "; no error is measured without --test"
     print(f"{picture}: loss by epoch\n{args.output}: learned from {source}{hint}")

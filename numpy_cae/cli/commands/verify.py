@@ -19,7 +19,7 @@ With --csv, a student is known by the folder submitted/ann/... in the folder tha
 graded, or by the file's name: ann_03.ipynb, 03_ann.ipynb, or as Moodle and Canvas
 name downloads. Zip files are opened. Of an exercise handed in more than once the
 best counts, also of earlier runs: where the table exists, its marks of what is not
-handed in now or was better stay, and the old table is kept with a number in its name.
+handed in now or was better stay, and old tables are kept with a number in their names.
 The table is written after each file. Beside it, corrections.csv (student, exercise,
 points, reason) has marks that count in place of any other. With --roster everyone has
 a row; who was matched by what is printed, what is in no row first. marks_import.csv
@@ -48,6 +48,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from numpy_cae.atomic_write import require_free
 from numpy_cae.cli.shared import arguments
 
 if TYPE_CHECKING:
@@ -78,12 +79,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write each student's reports to this folder, or to a .zip for Moodle or Canvas",
     )
     add("--json", **file, help="write student, exercise, points, possible and text for programs")
+    arguments.add_shared(parser, "overwrite")
 
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
     if (args.roster or args.late or args.teams) and not args.csv:
         raise ValueError("--roster, --late and --teams are about the table of --csv FILE")
+    if args.csv and not args.overwrite:
+        read = [path for path in (args.roster, args.late, args.teams, *args.files) if path]
+        arguments.require_not_read(args.csv, read)
+    for path in (args.json, args.feedback):
+        if path and not path.is_dir():
+            require_free(path)
     is_class = any(path.is_dir() or path.suffix == ".zip" for path in args.files)
     if is_class or args.csv or args.feedback or args.json:
         return _grade_class(args)
@@ -135,7 +143,7 @@ def _grade_and_write(marks: "ClassMarks", args: argparse.Namespace) -> list["Fil
             graders.append(partial(FileReport, file.path, faults=[file.fault]))
         else:
             graders.append(_grader_of(file.path, args, file.lesson))
-    marks.keep_older_table()
+    marks.keep_older_tables()
     reports: list[FileReport] = []
     for report in _grade_each(graders):
         reports.append(report)
@@ -148,19 +156,19 @@ def _grade_and_write(marks: "ClassMarks", args: argparse.Namespace) -> list["Fil
 def _write_outputs(
     marks: "ClassMarks", reports: Sequence["FileReport"], args: argparse.Namespace
 ) -> None:
-    """Write the feedback, the results as JSON and the tables, as the options name them."""
+    """Write the tables, the feedback and the results as JSON, as the options name them."""
     from numpy_cae.course.marks.feedback_files import write_feedback, write_feedback_zip
     from numpy_cae.course.marks.results_file import write_results
 
+    if args.csv:
+        for line in marks.write_tables(reports):
+            print(line)
     if args.feedback and args.feedback.suffix == ".zip":
         write_feedback_zip(args.feedback, list(zip(marks.files, reports, strict=True)))
     elif args.feedback:
         write_feedback(args.feedback, marks.by_student(reports))
     if args.json:
         write_results(args.json, marks.by_student(reports))
-    if args.csv:
-        for line in marks.write_tables(reports):
-            print(line)
 
 
 def _nothing_to_grade(paths: Sequence[Path]) -> str:

@@ -1,7 +1,9 @@
-"""Arguments that several subcommands share, and the types of numbers that argparse checks."""
+"""Arguments that several subcommands share, the types of numbers that argparse checks, and the
+checks of files to write."""
 
 import argparse
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterable, Mapping
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -47,6 +49,7 @@ _MAPPING = (
 SHARED: dict[str, dict[str, Any]] = {
     "seed": {"type": whole_number, "default": 0, "help": "seed of all random numbers (default: 0)"},
     "quiet": FLAG | {"help": "show no progress"},
+    "overwrite": FLAG | {"help": "replace files that exist, also those that are read"},
     "html": FLAG | {"help": "also write a page beside the output that plays the motions"},
     "mapping": FILE | {"metavar": "JSON", "action": "append", "default": [], "help": _MAPPING},
     "unit": {"type": positive, "metavar": "METRES"}
@@ -71,3 +74,20 @@ def reading(args: argparse.Namespace) -> dict[str, Any]:
     mappings = [read_mapping(path) for path in getattr(args, "mapping", [])]
     mapping = mappings if len(mappings) > 1 else next(iter(mappings), None)
     return {"unit": args.unit, "up": args.up, "floor": args.floor, "mapping": mapping}
+
+
+def require_different(outputs: Mapping[str, Path | None]) -> None:
+    """Raise ValueError if two options of a command, by name, would write one file."""
+    options: dict[str, str] = {}
+    for option, path in outputs.items():
+        if path is not None:
+            first = options.setdefault(os.path.realpath(path), option)
+            if first != option:
+                raise ValueError(f"{path}: {first} and {option} would both write it")
+
+
+def require_not_read(path: Path, sources: Iterable[Path]) -> None:
+    """Raise ValueError if a file to write is one of those that the command reads."""
+    for source in sources:
+        if path.exists() and source.exists() and path.samefile(source):
+            raise ValueError(f"{path}: is the file that is read; --overwrite allows this")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.atomic_write import replacing
 from numpy_cae.cleanup import Repaired, write_findings
 from numpy_cae.cleanup.events import rows_of_events
 from numpy_cae.cleanup.words import count
@@ -33,6 +34,10 @@ class Outcome:
         self.args = args
         self.targets = files.targets_of(args)
         self.is_single = files.is_single(args)
+        findings = getattr(args, "findings", None)
+        if self.is_single and findings and args.output and not args.dry_run:
+            page = args.output.with_suffix(".html") if args.html else None
+            arguments.require_different({"--findings": findings, "-o": args.output, "--html": page})
         self.rows: list[Row] = []
         self.unusable: list[str] = []
 
@@ -104,8 +109,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output += "or .bvh. For several motions a folder, created if it does not exist"
     add("-o", "--output", type=Path, help=output)
     add("--dry-run", **arguments.FLAG, help="print what would be changed and write nothing")
-    add("--overwrite", **arguments.FLAG, help="replace files that exist, also those that are read")
-    arguments.add_shared(parser, "html")
+    arguments.add_shared(parser, "overwrite html")
     files.add_model_arguments(parser)
 
 
@@ -116,10 +120,10 @@ def write_motion(
     target = outcome.targets[source]
     if target is None:
         return {}
-    if not outcome.is_single:
-        target.parent.mkdir(parents=True, exist_ok=True)
+    _make_folder(outcome, target)
     assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
-    repaired.motion.save(target, motion)
+    with replacing(True):  # `Outcome` has compared what exists with the source
+        repaired.motion.save(target, motion)
     return {target: str(repaired.motion)}
 
 
@@ -136,6 +140,7 @@ def write_page(
     is_anything_shown = any(finding.status != "kept" for finding in repaired.listed())
     if summary.status and not is_anything_shown:
         return {page: "not written, since nothing was changed"}, row
+    _make_folder(outcome, page)
     actors = before_and_after(motion, repaired.motion, rig_of(motion).joints)
     save_viewer(
         actors,
@@ -153,14 +158,20 @@ def write_page(
     return {page: "before and after; open it in a browser"}, row
 
 
+def _make_folder(outcome: Outcome, path: Path) -> None:
+    """Make the folder of a file to write, if the command writes a folder."""
+    if not outcome.is_single:
+        path.parent.mkdir(parents=True, exist_ok=True)
+
+
 def write_file_of_findings(outcome: Outcome, source: Path, repaired: Repaired) -> dict[Path, str]:
     """Write the file of --findings, or one in its folder, if it is asked for; what was written."""
     path = outcome.args.findings
     if path is None:
         return {}
     if not outcome.is_single:
-        path.mkdir(parents=True, exist_ok=True)
         path = path / f"{source.stem}.json"
+    _make_folder(outcome, path)
     write_findings(path, repaired.listed())
     unchanged = f"{len(repaired.proposed)} not changed"
     return {path: f"{count(len(repaired.findings), 'finding')}, {unchanged}"}

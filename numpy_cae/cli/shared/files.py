@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from numpy_cae.atomic_write import require_place
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.output import note, with_progress
 from numpy_cae.manifold import (
@@ -37,7 +38,7 @@ def add_model_arguments(parser: argparse.ArgumentParser) -> None:
 def add_output_arguments(parser: argparse.ArgumentParser) -> None:
     """The motion file to write, and the page."""
     parser.add_argument("-o", "--output", type=Path, required=True, help="motion file, .bvh")
-    arguments.add_shared(parser, "html")
+    arguments.add_shared(parser, "overwrite html")
 
 
 def load_model(args: argparse.Namespace) -> MotionManifold:
@@ -142,8 +143,8 @@ def _require_version(path: Path, source: Path) -> None:
     of an earlier repair are; or if it is the source."""
     if not path.exists():
         return
-    if path.samefile(source):
-        raise ValueError(f"{path}: is the file that is read; --overwrite allows this")
+    require_place(path)  # a pipe would be waited for
+    arguments.require_not_read(path, [source])
     source_lines = set(source.read_bytes().splitlines())
     lines = path.read_bytes().splitlines()
     if 2 * sum(line in source_lines for line in lines) <= len(lines):

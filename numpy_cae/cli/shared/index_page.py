@@ -9,7 +9,7 @@ from pathlib import Path
 from string import Template
 from typing import NamedTuple
 
-from numpy_cae.atomic_write import atomic_write
+from numpy_cae.atomic_write import atomic_write, stamped
 from numpy_cae.cleanup.words import count
 from numpy_cae.cli.shared.summary import UNLIKE, Numbers
 from numpy_cae.visible import visible
@@ -62,7 +62,7 @@ def write_index(page: Path, rows: Sequence[Row], unusable: Sequence[str]) -> Non
     title = f"{count(len(rows) + len(unusable), 'file')}: before and after"
     text = Template(page_text("index.html")).substitute(title=title, parts="\n".join(parts))
     with atomic_write(page) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(stamped(text), encoding="utf-8", newline="\n")
 
 
 def _table(page: Path, rows: Sequence[Row]) -> str:

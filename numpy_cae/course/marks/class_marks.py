@@ -143,10 +143,11 @@ class ClassMarks:
             self.lesson,
         )
 
-    def keep_older_table(self) -> None:
-        """Keep the table that will be replaced under a name with a number."""
+    def keep_older_tables(self) -> None:
+        """Keep the tables that will be replaced under names with a number."""
         if self.path:
-            keep_table(self.path)
+            for path in (self.path, _statistics_path(self.path), _import_path(self.path)):
+                keep_table(path)
 
     def write_marks(self, reports: Sequence[FileReport | None]) -> MarksTable | None:
         """Write the table of marks, also when some files are not graded yet."""
@@ -183,10 +184,10 @@ class ClassMarks:
         if table is None or not self.path:
             return []
         best = [best_reports(files) for files in self.by_student(reports).values()]
-        write_statistics(self.path.with_stem(f"{self.path.stem}_statistics"), best)
+        write_statistics(_statistics_path(self.path), best)
         if not self.roster.students:
             return []
-        return self._write_import(self.path.with_stem(f"{self.path.stem}_import"), table, reports)
+        return self._write_import(_import_path(self.path), table, reports)
 
     def _write_import(
         self, path: Path, table: MarksTable, reports: Sequence[FileReport]
@@ -217,6 +218,14 @@ class ClassMarks:
             if any(file.faults and not file.reports for file in files):
                 uncertain.add(student)
         return uncertain
+
+
+def _statistics_path(table: Path) -> Path:
+    return table.with_stem(f"{table.stem}_statistics")
+
+
+def _import_path(table: Path) -> Path:
+    return table.with_stem(f"{table.stem}_import")
 
 
 def _lessons_of(table: MarksTable, reports: Sequence[FileReport]) -> list[str]:

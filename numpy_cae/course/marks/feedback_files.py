@@ -9,8 +9,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from numpy_cae.atomic_write import atomic_write
+from numpy_cae.atomic_write import atomic_write, stamped
 from numpy_cae.course.marks.handed_in import HandedIn
+from numpy_cae.errors import FileError
 from numpy_cae.verify.grading.student_file import FileReport
 from numpy_cae.visible import visible
 
@@ -27,7 +28,11 @@ def write_feedback(folder: Path, reports_of: Mapping[str, Sequence[FileReport]])
 
     A file is named after the student. If the name has other characters than letters, digits, _ and
     -, is long or differs from another only in its capitals, a dot and a number follow.
+
+    Raises ValueError, when all others are written, with the files that cannot be written: feedback
+    that a teacher has edited is only replaced with --overwrite.
     """
+    kept: list[FileError] = []
     folder.mkdir(parents=True, exist_ok=True)
     counts = Counter(student.casefold() for student in reports_of)
     for number, (student, files) in enumerate(reports_of.items(), 1):
@@ -36,8 +41,14 @@ def write_feedback(folder: Path, reports_of: Mapping[str, Sequence[FileReport]])
         is_unique = safe == student and counts[student.casefold()] == 1
         name = f"{safe}.md" if is_unique else f"{safe}.{number}.md"
         file_name = os.fsdecode(name.encode("utf-8", "surrogateescape"))  # UTF-8 in every locale
-        with atomic_write(folder / file_name) as temporary:
-            temporary.write_text(visible("\n".join(_lines(files))), encoding="utf-8")
+        text = stamped(visible("\n".join(_lines(files))))
+        try:
+            with atomic_write(folder / file_name) as temporary:
+                temporary.write_text(text, encoding="utf-8", newline="\n")
+        except FileError as error:
+            kept.append(error)
+    if kept:
+        raise ValueError("\n".join(map(str, kept)))
 
 
 def write_feedback_zip(path: Path, marked: Sequence[tuple[HandedIn, FileReport]]) -> None:

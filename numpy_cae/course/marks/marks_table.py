@@ -8,8 +8,9 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from shutil import copyfile
+from shutil import copy2
 
+from numpy_cae.atomic_write import require_place
 from numpy_cae.course.catalogue import ASSIGNMENTS, CATALOGUE
 from numpy_cae.course.marks.corrections import Correction
 from numpy_cae.course.marks.roster import EMPTY_ROSTER, Cells, read_roster
@@ -115,9 +116,10 @@ class MarksTable:
 
 
 def keep_table(path: Path) -> None:
-    """Copy a table that exists to a name with a number."""
+    """Copy a table that exists, with its mode, to a name with a number."""
+    require_place(path)
     if path.exists():
-        copyfile(path, _free_path(path))
+        copy2(path, _free_path(path))
 
 
 def _free_path(path: Path) -> Path:

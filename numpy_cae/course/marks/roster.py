@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from numpy_cae.atomic_write import atomic_write
+from numpy_cae.atomic_write import atomic_write, replacing
 
 NAME_COLUMNS = (
     "student",
@@ -69,6 +69,7 @@ class Roster:
         for row in rows:
             columns |= dict.fromkeys(row)
         with (
+            replacing(True),  # `keep_table` has kept what exists
             atomic_write(path) as temporary,
             temporary.open("w", newline="", encoding=self.encoding) as file,
         ):
