@@ -69,6 +69,8 @@ def load_arrays(
             arrays = dict(file)
     except OSError as error:
         raise ModelFileError(f"{path}: {error.strerror or error}") from None
+    except MemoryError:  # of this machine, not of the file
+        raise
     except Exception as error:  # zipfile, zlib and NumPy raise a dozen types for damaged bytes
         raise ModelFileError(f"{path}: not {expected}: {one_line(error)}") from None
     stated = str(arrays.get("format"))

@@ -24,6 +24,7 @@ from numpy_cae.cleanup.kinds import BODY, FOOT, KINDS, MARKED, T_POSE, Kind
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion
 from numpy_cae.motion.masks import runs
+from numpy_cae.visible import visible
 
 LEFT_REASON = "feet would slide more or joints would jump or shake more"
 """Why a finding was not mended although it is certain."""
@@ -148,7 +149,7 @@ class Finding:
                 "joint": str(),
                 "frames": [int() as first, int() as last],
                 "kind": str(),
-                "evidence": str(),
+                "evidence": str() as evidence,
                 "cm": int() | float(),
                 "confidence": int() | float(),
                 "status": str() as status,
@@ -159,6 +160,7 @@ class Finding:
                 values = {key: value for key, value in entry.items() if key != "accept"}
                 values["frames"] = (first, last)
                 values["status"] = "repaired" if accept else status
+                values["evidence"] = visible(evidence)  # halves of characters cannot be written
                 return Finding(**values)
         raise ValueError(f"expected an object such as {json.dumps(EXAMPLE_FINDING.to_json())}")
 
@@ -217,7 +219,7 @@ def check_finding(motion: Motion, finding: Finding) -> Finding:
         raise ValueError(f"{finding}: the motion has frames 0 to {last}")
     if row is T_POSE and (finding.frames[0] or finding.frames[1] == last):
         raise ValueError(f"{finding}: a T-pose is at the start and ends before the last frame")
-    if row.is_of_one_joint and finding.frames == (0, last):
+    if (row.is_of_one_joint or (row is MARKED and joint == BODY)) and finding.frames == (0, last):
         raise ValueError(f"{finding}: no frame is left that says what is right")
     return replace(finding, joint=joint)
 

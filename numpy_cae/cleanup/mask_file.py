@@ -20,6 +20,12 @@ from numpy_cae.motion.joints import LIMBS
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
 
+MOST_BYTES = 1 << 24
+"""A longer mask file is refused."""
+MOST_ENTRIES = 20_000
+"""A mask file of more entries is refused. A repair takes longer with each of them; of an hour of
+motion, a thousand findings are many."""
+
 
 def read_mask(path: Path, motion: Motion) -> list[Finding]:
     """The findings that the entries of a mask file stand for in a motion.
@@ -67,11 +73,13 @@ def require_movable(findings: Sequence[Finding], motion: Motion) -> None:
 
 def _read_entries(path: Path) -> list[Any]:
     """The entries of a mask file."""
-    content = TextFile.read(path).data
+    content = TextFile.read(path, MOST_BYTES).data
     try:
         entries = json.loads(content, object_pairs_hook=_unique_keys)
         if not isinstance(entries, list):
             raise ValueError(f"expected a list such as {EXAMPLE}")
+        if len(entries) > MOST_ENTRIES:
+            raise ValueError(f"has {len(entries)} entries, expected at most {MOST_ENTRIES}")
     except (json.JSONDecodeError, RecursionError) as error:
         line = getattr(error, "lineno", None)
         raise MotionFileError(path, line, f"not JSON: {error}") from None

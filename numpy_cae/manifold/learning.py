@@ -8,10 +8,20 @@ import numpy as np
 
 from numpy_cae import training
 from numpy_cae.fast import with_engine
+from numpy_cae.manifold.model_arrays import MAX_LENGTH
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
-from numpy_cae.motion import CLIP, LENGTH, RATE, AngleSequence, cut_clips, cut_windows
+from numpy_cae.motion import (
+    CLIP,
+    JOINTS,
+    LENGTH,
+    RATE,
+    AngleSequence,
+    bone_lengths,
+    cut_clips,
+    cut_windows,
+)
 from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY, features_on_mean_skeleton
 from numpy_cae.training.state import HELD_OUT
 
@@ -96,8 +106,13 @@ def learn_manifold(
     >>> manifold.stride, manifold.receptive_radius
     (4, 6)
     """
+    takes = list(takes)
     if not takes:
-        raise ValueError("there are no takes to learn from")
+        raise ValueError("takes: there are none to learn from")
+    require_bodies(takes, "takes")
+    require_bodies(testing, "testing")
+    if not filters:
+        raise ValueError("filters is empty, expected the number of filters of each layer")
     schedule = schedule or training.Schedule()
     overlap = window // 2 if overlap is None else overlap
     rng = np.random.default_rng(seed)
@@ -121,6 +136,23 @@ def learn_manifold(
         "losses": state.losses,
     }
     return manifold
+
+
+def require_bodies(takes: Sequence[np.ndarray], name: str) -> None:
+    """Raise ValueError, naming the argument and the take, unless all are (F, 20, 3), finite and of
+    the size of a person."""
+    for number, take in enumerate(takes):
+        where = f"{name}[{number}]"
+        shape = np.shape(take)
+        if len(shape) != 3 or shape[1:] != (len(JOINTS), 3) or not shape[0]:
+            expected = f"expected (frames, {len(JOINTS)}, 3) and at least one frame"
+            raise ValueError(f"{where} has shape {shape}, {expected}")
+        if not np.isfinite(take).all():
+            raise ValueError(f"{where} has values that are not finite")
+        longest = bone_lengths(np.asarray(take)).max()
+        if longest > MAX_LENGTH:
+            problem = f"{where} has a bone of {longest:.3g} m, expected at most {MAX_LENGTH:g} m"
+            raise ValueError(f"{problem}: positions are in metres")
 
 
 def _normalise_takes(

@@ -1,13 +1,17 @@
 """Checks of a model's arrays, which are plain numbers, before they are used."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import numpy as np
+
+from numpy_cae.array_file import ModelFileError, one_line
+from numpy_cae.training.divergence import ADVICE, LARGEST_WEIGHT
 
 Arrays = Mapping[str, np.ndarray]
 SMALLEST = 1e-6
 """Smallest factor and smallest deviation by which features may be divided."""
-MAX_NUMBER = 1e6
+MAX_NUMBER = LARGEST_WEIGHT
 """Largest absolute value of a number in a model file, unless a reader states a smaller one."""
 MAX_LENGTH = 10.0
 """Longest bone (m)."""
@@ -38,3 +42,17 @@ def read_integer(arrays: Arrays, name: str, least: int, most: int) -> int:
     if array.shape != () or array.dtype.kind != "i" or not least <= array <= most:
         raise ValueError(f"{name} is not a whole number from {least} to {most}")
     return int(array)
+
+
+def require_loadable(
+    read: Callable[[dict[str, np.ndarray]], object], arrays: dict[str, np.ndarray], path: str | Path
+) -> None:
+    """Raise ModelFileError, before anything is written, if a file of these arrays could not be
+    loaded; `read` makes a manifold of the arrays of a file."""
+    try:
+        read(arrays)
+        read_numbers(arrays, "rate", (), 1.0, MAX_RATE)
+    except ValueError as error:
+        problem = f"not written, since it could not be loaded: {one_line(error)}"
+        advice = f"if the training diverged, {ADVICE}"
+        raise ModelFileError(f"{path}: {problem}; {advice}") from None

@@ -56,6 +56,8 @@ def load_manifold(path: str | Path, engine: str = "fast") -> Manifold:
             raise ValueError("settings is not a JSON object")
     except KeyError as error:
         raise ModelFileError(f"{path}: it has no {error}") from None
+    except MemoryError:
+        raise
     except Exception as error:  # the arrays may hold anything
         raise ModelFileError(f"{path}: {one_line(error)}") from None
     manifold.network = with_engine(manifold.network, engine)

@@ -15,11 +15,13 @@ from numpy_cae.manifold.model_arrays import (
     SMALLEST,
     read_integer,
     read_numbers,
+    require_loadable,
 )
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
 from numpy_cae.motion.features import FEATURES, RootTransform, problem_of_lengths
 from numpy_cae.motion.windows import LENGTH
+from numpy_cae.ops.shapes import require_shape
 
 FORMAT = "numpy_cae convolutional manifold 3"
 """The only format that is read; a file of another version has to be made again."""
@@ -84,6 +86,10 @@ class MotionManifold:
     def features(self, positions: np.ndarray) -> tuple[np.ndarray, RootTransform]:
         """The features (F, 63) on the mean skeleton, and the first frame's root transform, of world
         positions (F, 20, 3) with any bone lengths, in metres."""
+        positions = np.asarray(positions)
+        require_shape("positions", positions, ("frames", len(JOINTS), 3))
+        if not len(positions):
+            raise ValueError("positions has no frames, expected at least one")
         normalised = change_lengths(positions, bone_lengths(positions), self.lengths)
         return positions_to_features(normalised, self.rate)
 
@@ -150,6 +156,8 @@ class MotionManifold:
         -------
         (F, 63) array of float64
         """
+        features = np.asarray(features)
+        require_shape("features", features, ("frames", FEATURES))
         x = self._rescale(self.normalise(features)[None])
         return self.denormalise(self._project_clip(x, average_shifts)[0])
 
@@ -254,6 +262,8 @@ class MotionManifold:
         ------
         FileError
             If the file cannot be written.
+        ModelFileError
+            If it could not be loaded, since numbers are too large: the training diverged.
 
         Examples
         --------
@@ -276,6 +286,7 @@ class MotionManifold:
             "window": np.array(self.window),
             "settings": np.array(json.dumps(self.settings)),
         }
+        require_loadable(MotionManifold.from_arrays, arrays | weights, path)
         save_arrays(arrays | weights, path)
 
     @staticmethod

@@ -14,6 +14,7 @@ from numpy_cae.manifold.model_arrays import (
     SMALLEST,
     read_integer,
     read_numbers,
+    require_loadable,
 )
 from numpy_cae.models.sequential_autoencoder import SequentialAutoencoder, weight_shapes
 from numpy_cae.motion import CLIP, Motion, angles, draw_clips
@@ -95,7 +96,7 @@ class SequenceManifold:
     def save(self, path: str | Path) -> None:
         """Write the manifold, completely or not at all; `load_manifold` reads it.
 
-        Raises FileError if the file cannot be written.
+        Raises FileError if the file cannot be written, ModelFileError if it could not be loaded.
         """
         arrays = {
             "format": np.array(FORMAT),
@@ -109,6 +110,7 @@ class SequenceManifold:
             "burn_in": np.array(self.network.burn_in),
             "settings": np.array(json.dumps(self.settings)),
         }
+        require_loadable(SequenceManifold.from_arrays, arrays | self.network.weights, path)
         save_arrays(arrays | self.network.weights, path)
 
     @staticmethod

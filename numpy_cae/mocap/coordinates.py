@@ -65,6 +65,10 @@ _POSES = 500
 """The up axis and the floor are detected in about this many poses of a motion."""
 
 
+HIGHEST_FLOOR = 10_000.0
+"""A floor that a user states is at most so high or so low (m), as high as mountains are."""
+
+
 def require_coordinates(unit: float | None, up: str | None, floor: float | None) -> None:
     """Raise ValueError for a unit in metres, an up axis or a height of the floor in metres that a
     file cannot have; what is None is detected in each file."""
@@ -72,8 +76,9 @@ def require_coordinates(unit: float | None, up: str | None, floor: float | None)
         require_unit(unit)
     if up is not None and up not in TO_Y_UP:
         raise ValueError(f"up is {up!r}, expected one of {', '.join(TO_Y_UP)}")
-    if floor is not None and not np.isfinite(floor):
-        raise ValueError(f"floor is {floor}, expected its height in metres")
+    if floor is not None and not abs(floor) <= HIGHEST_FLOOR:
+        expected = f"expected its height in metres, at most {HIGHEST_FLOOR:g} up or down"
+        raise ValueError(f"floor is {floor:g}, {expected}")
 
 
 def detect_up(body: np.ndarray, rest: np.ndarray) -> str:

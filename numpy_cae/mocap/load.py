@@ -134,7 +134,7 @@ def _naming_file(path: str | Path) -> Iterator[None]:
         yield
     except UnknownRigError as error:
         raise UnknownRigError(f"{path}: {error}") from None
-    except NumpyCaeError:
+    except (NumpyCaeError, MemoryError):
         raise
     except Exception as error:
         problem = f"cannot be read: {type(error).__name__}: {error}"

@@ -76,6 +76,7 @@ class ConvAutoencoder:
         dtype: np.dtype | type = np.float32,
         initial: Literal["random", "passing"] = "random",
     ):
+        _require_settings(filters, taps, bound)
         rng = rng or np.random.default_rng(0)
         channels = (features, *filters)
         self.layers: list[ConvLayer] = []
@@ -239,6 +240,21 @@ def _decode_layers(
         y, pullback = layer.decode_with_pullback(y, mask)
         pullbacks.append(pullback)
     return y, pullbacks
+
+
+SMALLEST_BOUND = 1e-6
+"""The bound of arctanh is at least so far from 0, where nothing is decoded, and from 1, where
+arctanh is infinite in float32. A model file with another bound is refused."""
+
+
+def _require_settings(filters: Sequence[int], taps: int, bound: float) -> None:
+    """Raise ValueError, naming the argument, for numbers that no network can have."""
+    if any(number < 1 for number in filters):
+        raise ValueError(f"filters is {tuple(filters)}, expected 1 or more of each layer")
+    if taps < 1 or taps % 2 == 0:
+        raise ValueError(f"taps is {taps}, expected an odd number, so that a filter has a centre")
+    if not SMALLEST_BOUND <= bound <= 1 - SMALLEST_BOUND:
+        raise ValueError(f"bound is {bound}, expected {SMALLEST_BOUND:g} to {1 - SMALLEST_BOUND}")
 
 
 def require_windows(name: str, x: np.ndarray, layers: Sequence[ConvLayer]) -> None:

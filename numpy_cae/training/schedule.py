@@ -2,7 +2,7 @@
 learning rate of a step."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, is_dataclass, replace
 from typing import Any, Literal
 
@@ -36,6 +36,7 @@ class Stage:
     damage: Damage | None = None  # further corruption, such as `manifold.augmentation.FileDamage`
 
     def __post_init__(self) -> None:
+        _require_at_least(self, {"epochs": 0, "batch": 1, "rate": 0})
         # A checkpoint and a model file say by which settings a network was trained.
         if self.damage is not None and not is_dataclass(self.damage):
             raise ValueError(
@@ -99,6 +100,17 @@ class SequenceSchedule:
     momentum: float = 0.9
     optimiser: Literal["sgd", "adam"] = "sgd"
     rate_schedule: Literal["decay", "one-cycle"] = "decay"
+
+    def __post_init__(self) -> None:
+        _require_at_least(self, {"epochs": 0, "steps": 1, "batch": 1, "directions": 1, "rate": 0})
+
+
+def _require_at_least(settings: Stage | SequenceSchedule, least: Mapping[str, int]) -> None:
+    """Raise ValueError unless the named settings are finite and as large as these numbers."""
+    for name, smallest in least.items():
+        value = getattr(settings, name)
+        if not smallest <= value < math.inf:
+            raise ValueError(f"{name} is {value}, expected a finite number of {smallest} or more")
 
 
 _BEST = Stage(

@@ -160,15 +160,17 @@ def _write_outputs(
     from numpy_cae.course.marks.feedback_files import write_feedback, write_feedback_zip
     from numpy_cae.course.marks.results_file import write_results
 
-    if args.csv:
-        for line in marks.write_tables(reports):
-            print(line)
-    if args.feedback and args.feedback.suffix == ".zip":
-        write_feedback_zip(args.feedback, list(zip(marks.files, reports, strict=True)))
-    elif args.feedback:
-        write_feedback(args.feedback, marks.by_student(reports))
-    if args.json:
-        write_results(args.json, marks.by_student(reports))
+    try:
+        if args.feedback and args.feedback.suffix == ".zip":
+            write_feedback_zip(args.feedback, list(zip(marks.files, reports, strict=True)))
+        elif args.feedback:
+            write_feedback(args.feedback, marks.by_student(reports))
+        if args.json:
+            write_results(args.json, marks.by_student(reports))
+    finally:  # marks are written although feedback that was edited is not replaced
+        if args.csv:
+            for line in marks.write_tables(reports):
+                print(line)
 
 
 def _nothing_to_grade(paths: Sequence[Path]) -> str:

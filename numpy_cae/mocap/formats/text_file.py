@@ -121,7 +121,7 @@ class TextFile:
             value = as_number(word)
             if value is None or (count is not None and np.isnan(value)):
                 problem = f"{quote(word)} is not a number"
-                if as_number(word.replace(",", ".")) is not None:
+                if "," in word and as_number(word.replace(",", ".")) is not None:
                     raise self.error(line, f"{problem}: write decimals with a point, not a comma")
                 raise self.error(line, f"{problem}, expected a finite number below {MAX_VALUE:g}")
             values.append(value)

@@ -28,6 +28,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.errors import NumpyCaeError
+from numpy_cae.mocap.formats.text_file import TextFile
 from numpy_cae.motion import JOINTS, Motion, Skeleton
 from numpy_cae.motion.joints import SIDES
 
@@ -70,6 +71,10 @@ _NUMBER = re.compile(r"_\d{2,}$")
 _NEARLY_ALL = 0.9
 """The names of a skeleton are numbered if at least this part of them is; its root may have no
 number."""
+
+
+MOST_BYTES = 1 << 20
+"""A longer file of a mapping is refused: twenty names take a kilobyte."""
 
 
 class UnknownRigError(NumpyCaeError, ValueError):
@@ -293,6 +298,8 @@ def read_mapping(path: str | Path) -> JointNames:
 
     Raises
     ------
+    MotionFileError
+        If the file is no regular file, is longer than `MOST_BYTES` or is not text.
     UnknownRigError
         If the file is not such an object; the message says what is wrong.
 
@@ -302,8 +309,9 @@ def read_mapping(path: str | Path) -> JointNames:
     >>> read_mapping("rig.json")
     {'hips': 'pelvis', 'head': 'skull'}
     """
+    content = TextFile.read(path, MOST_BYTES).data
     try:
-        mapping = json.loads(Path(path).read_text(encoding="utf-8"))
+        mapping = json.loads(content)
     except (ValueError, RecursionError) as error:
         raise UnknownRigError(f"{path}: not JSON: {error}") from None
     if not isinstance(mapping, dict) or not all(isinstance(v, str) for v in mapping.values()):
