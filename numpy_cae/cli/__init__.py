@@ -12,10 +12,15 @@ import logging
 import os
 import re
 import shutil
+import signal
 import sys
 import textwrap
 from collections.abc import Sequence
+<<<<<<< HEAD
 from difflib import get_close_matches
+=======
+from contextlib import suppress
+>>>>>>> f554e131 (End with one line on Ctrl-C during imports, restore BLAS threads)
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
@@ -109,6 +114,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     name = _parser().parse_args(argv if is_option else argv[:1]).command
     try:
         args = subcommand_parser(name).parse_args(argv[1:])  # imports for a second
+        _raise_on_interrupt()
         with replacing(getattr(args, "overwrite", False)):
             status = args.run(args)
         sys.stdout.flush()
@@ -124,6 +130,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         advice = str(interrupt) or "nothing more was written"
         print(f"numpy-cae {name}: interrupted; {advice}", file=sys.stderr)
         return 130
+
+
+def _raise_on_interrupt() -> None:
+    """Let Ctrl-C raise KeyboardInterrupt from now on, unless it is ignored (see `__main__`)."""
+    with suppress(ValueError):  # only the main thread has signals
+        if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -24,6 +24,8 @@ SITE = "http://mocap.cs.cmu.edu"
 CHECKSUMS = "checksums.txt"
 FILE_NAMES = re.compile(r"(\d{2,3})/\1(\.asf|_\d{2,3}\.amc)")
 """Names of files in the folder; no other file is written."""
+SIGNS = {".asf": re.compile(rb"(?m)^\s*:root"), ".amc": re.compile(rb"(?m)^\s*root\s")}
+"""What a skeleton and a take have; an answer without it is kept from being taken for the file."""
 PAUSE = 0.2
 """Seconds before each request; the site asks not to be crawled."""
 PATIENCE = 60.0
@@ -100,10 +102,14 @@ def download_cmu(
 
 
 def _download(url: str, output: str, registry: object) -> None:
-    """Download a file; `pooch` calls this. ValueError if it begins as a web page does."""
+    """Download a file; `pooch` calls this. ValueError if it is no Acclaim file."""
     received = _request(url)
     if received[:100].lstrip().startswith(b"<"):
         raise ValueError(f"{url}: is a web page (perhaps of a network to log in to)")
+    if not received.strip():
+        raise ValueError(f"{url}: the answer is empty; try again later")
+    if b"\0" in received or not SIGNS[Path(url).suffix].search(received):
+        raise ValueError(f"{url}: the answer is no {Path(url).suffix} file; try again later")
     Path(output).write_bytes(received)
 
 

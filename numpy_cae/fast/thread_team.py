@@ -15,6 +15,7 @@ dependency). If NumPy uses another BLAS, `blas_threads` returns None and a team 
 import ctypes
 import os
 import threading
+import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
@@ -67,7 +68,42 @@ def blas_threads() -> int | None:
     functions = _openblas()
     if functions is None:
         return None
-    return _threads_before[0] if _threads_before else functions[0]()
+    return functions[0]() if _open_blocks.threads_before is None else _open_blocks.threads_before
+
+
+class _Block:
+    """A block of `one_blas_thread` that has not ended."""
+
+
+class _OpenBlocks:
+    """The blocks of `one_blas_thread` that have not ended, and the number of threads before them.
+
+    Ctrl-C may come between any two steps here. So a block counts only as long as something refers
+    to it, and the number of threads is forgotten after it was restored, not before: where an
+    interrupt prevents the restoration, the next block that ends makes up for it.
+    """
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.blocks: weakref.WeakSet[_Block] = weakref.WeakSet()
+        self.threads_before: int | None = None
+
+    def add(self, block: _Block, read: Callable[[], int], write: Callable[[int], None]) -> None:
+        with self.lock:
+            if self.threads_before is None:
+                self.threads_before = read()
+            self.blocks.add(block)
+            write(1)
+
+    def remove(self, block: _Block, write: Callable[[int], None]) -> None:
+        with self.lock:
+            self.blocks.discard(block)
+            if not self.blocks and self.threads_before is not None:
+                write(self.threads_before)
+                self.threads_before = None
+
+
+_open_blocks = _OpenBlocks()
 
 
 @contextmanager
@@ -82,20 +118,12 @@ def one_blas_thread() -> Iterator[None]:
         yield
         return
     read, write = functions
-    with _lock:
-        _threads_before.append(_threads_before[-1] if _threads_before else read())
-        write(1)
+    block = _Block()
     try:
+        _open_blocks.add(block, read, write)
         yield
     finally:
-        with _lock:
-            before = _threads_before.pop()
-            write(1 if _threads_before else before)
-
-
-_lock = threading.Lock()
-_threads_before: list[int] = []
-"""The number of threads outside of the blocks, once for each block that has not ended."""
+        _open_blocks.remove(block, write)
 
 
 class ThreadTeam:

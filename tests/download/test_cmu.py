@@ -56,7 +56,7 @@ def test_a_subject_and_its_checksums(site, tmp_path, capsys, run, error_of):
     assert "NSF EIA-0196217" in printed and "2 files" in printed
     assert [len(load_motion(path)) for path in find_motion_files(tmp_path / "cmu")] == [60]
     take = tmp_path / "cmu" / "07" / "07_01.amc"
-    (folder / "subjects" / "07" / "07_01.amc").write_bytes(b"another file")
+    (folder / "subjects" / "07" / "07_01.amc").write_bytes(b"1\nroot 0 0 0\n")
     run(*words, "--quiet")  # the files are there already, and are not downloaded again
     assert (tmp_path / "cmu" / "checksums.txt").read_text().count(".a") == 2
     take.unlink()
@@ -86,6 +86,32 @@ def test_nothing_else_is_written(site, tmp_path, monkeypatch, what):
     with pytest.raises(DownloadError, match=WRONG[what]):
         download_cmu(out, [7], address)
     assert {path.name for path in out.rglob("*.*")} <= {"checksums.txt", "07.asf"}
+
+
+NO_FILES = {"empty": b"", "blank": b" \n\n", "binary": bytes(range(256)) * 9, "text": b"busy\n"}
+
+
+@pytest.mark.parametrize("name", ["07.asf", "07_01.amc"])
+@pytest.mark.parametrize("answer", list(NO_FILES))
+def test_an_answer_that_is_no_acclaim_file_is_not_kept(answer, name, site, tmp_path):
+    folder, address = site
+    (folder / "subjects" / "07" / name).write_bytes(NO_FILES[answer])
+    with pytest.raises(DownloadError, match="the answer is"):
+        download_cmu(tmp_path / "cmu", [7], address)
+    assert not (tmp_path / "cmu" / "07" / name).exists()
+    checksums = tmp_path / "cmu" / "checksums.txt"
+    assert not checksums.exists() or name not in checksums.read_text()
+
+
+def test_checksums_are_written_as_other_files_are(site, tmp_path, run):
+    address = site[1]
+    out = tmp_path / "cmu"
+    out.mkdir()
+    (tmp_path / "kept.txt").touch()
+    (out / "checksums.txt").symlink_to(tmp_path / "kept.txt")
+    run("download", "cmu", "--subjects", 7, "-o", out, "--site", address, "--quiet")
+    assert (out / "checksums.txt").is_symlink()
+    assert (tmp_path / "kept.txt").read_text().count(".a") == 2
 
 
 def test_problems_are_said(site, tmp_path, monkeypatch, error_of):

@@ -1,8 +1,19 @@
 """Threads that work together, and the BLAS threads that they use."""
 
+import linecache
+import sys
+from itertools import count
+
 import pytest
 
-from numpy_cae.fast.thread_team import _openblas, blas_threads, one_blas_thread, share, thread_team
+from numpy_cae.fast.thread_team import (
+    _open_blocks,
+    _openblas,
+    blas_threads,
+    one_blas_thread,
+    share,
+    thread_team,
+)
 
 
 def test_a_worker_that_fails_releases_the_others_and_raises_its_error():
@@ -35,3 +46,48 @@ def test_the_number_of_blas_threads_comes_back():
 def test_shares_cover_everything_once():
     parts = [share(11, worker, 3) for worker in range(3)]
     assert [n for part in parts for n in range(11)[part]] == list(range(11))
+
+
+def raise_at_step(last_step):
+    """A trace function that interrupts the module before its so-many-th line.
+
+    Python handles signals after calls and at the begin of functions, so never between a lock and
+    its block: the end of a `with` counts as a line, but is no such place.
+    """
+    steps = count()
+
+    def trace(frame, event, _):
+        if not frame.f_code.co_filename.endswith("thread_team.py"):
+            return None
+        line = linecache.getline(frame.f_code.co_filename, frame.f_lineno)
+        is_end_of_lock = "with self.lock" in line and _open_blocks.lock.locked()
+        if event == "line" and not is_end_of_lock and next(steps) == last_step:
+            raise KeyboardInterrupt
+        return trace
+
+    return trace
+
+
+@pytest.mark.skipif(_openblas() is None, reason="needs OpenBLAS")
+def test_the_threads_come_back_after_an_interrupt_at_any_step():
+    number_now, set_number = _openblas()
+    before = number_now()
+    traced = sys.gettrace()
+    set_number(2)
+    interrupts = 0
+    try:
+        for step in range(60):
+            try:
+                sys.settrace(raise_at_step(step))
+                with one_blas_thread():
+                    pass
+            except KeyboardInterrupt:
+                interrupts += 1
+            finally:
+                sys.settrace(traced)
+            with one_blas_thread():
+                assert number_now() == 1
+            assert number_now() == 2, step
+    finally:
+        set_number(before)
+    assert interrupts > 10

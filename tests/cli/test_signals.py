@@ -1,0 +1,58 @@
+"""Ctrl-C at any moment of a command: one line, status 130."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+BEGIN = """
+import builtins, os, signal, sys
+from numpy_cae.__main__ import main
+import_module = builtins.__import__
+def interrupted_import(name, *arguments, **options):
+    if name.split(".")[0] == {name!r} or name == {name!r}:
+        os.kill(os.getpid(), signal.SIGINT)
+    return import_module(name, *arguments, **options)
+builtins.__import__ = interrupted_import
+sys.argv = ["numpy-cae", "rig", "missing.bvh"]
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("name", ["argparse", "numpy", "numpy_cae.mocap", "numpy_cae.cli"])
+def test_an_interrupt_while_modules_are_imported_is_one_line(name):
+    program = [sys.executable, "-c", BEGIN.format(name=name)]
+    ended = subprocess.run(program, capture_output=True, text=True, timeout=100)
+    assert ended.stderr == "numpy-cae: interrupted; nothing was written\n"
+    assert ended.returncode == 130
+
+
+def test_an_ignored_interrupt_stays_ignored():
+    """As of a command that a shell runs in the background."""
+    ignore = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
+    program = [sys.executable, "-c", ignore + BEGIN.format(name="argparse")]
+    ended = subprocess.run(program, capture_output=True, text=True, timeout=100)
+    assert "missing.bvh" in ended.stderr
+    assert ended.returncode == 2
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("number", range(40))
+def test_an_interrupt_at_any_moment_is_one_line(number, tmp_path):
+    from data_synth import make_take
+    from numpy_cae.mocap import write_bvh
+
+    write_bvh(make_take("walk", 0, seconds=4.0, rate=30.0).motion, tmp_path / "walk.bvh")
+    words = "repair walk.bvh -o out.bvh --html --findings found.json".split()
+    program = [sys.executable, "-m", "numpy_cae", *words]
+    with subprocess.Popen(program, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as process:
+        # Before Python has begun to run the package, nobody can handle a signal.
+        time.sleep(0.15 + 0.1 * number)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=100)
+    assert process.returncode in (0, 3, 4, 130)
+    assert "Traceback" not in said
+    assert not [name for name in os.listdir(tmp_path) if ".part" in name]
