@@ -16,11 +16,8 @@ import signal
 import sys
 import textwrap
 from collections.abc import Sequence
-<<<<<<< HEAD
-from difflib import get_close_matches
-=======
 from contextlib import suppress
->>>>>>> f554e131 (End with one line on Ctrl-C during imports, restore BLAS threads)
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn

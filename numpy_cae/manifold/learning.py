@@ -108,11 +108,13 @@ def learn_manifold(
     """
     takes = list(takes)
     if not takes:
-        raise ValueError("takes: there are none to learn from")
+        raise ValueError("there are no takes to learn from")
     require_bodies(takes, "takes")
     require_bodies(testing, "testing")
     if not filters:
         raise ValueError("filters is empty, expected the number of filters of each layer")
+    if taps < 1 or taps % 2 == 0:
+        raise ValueError(f"taps is {taps}, expected an odd number, so that a filter has a centre")
     schedule = schedule or training.Schedule()
     overlap = window // 2 if overlap is None else overlap
     rng = np.random.default_rng(seed)

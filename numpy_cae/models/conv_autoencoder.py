@@ -76,7 +76,7 @@ class ConvAutoencoder:
         dtype: np.dtype | type = np.float32,
         initial: Literal["random", "passing"] = "random",
     ):
-        _require_settings(filters, taps, bound)
+        _require_settings(filters, bound)
         rng = rng or np.random.default_rng(0)
         channels = (features, *filters)
         self.layers: list[ConvLayer] = []
@@ -247,12 +247,10 @@ SMALLEST_BOUND = 1e-6
 arctanh is infinite in float32. A model file with another bound is refused."""
 
 
-def _require_settings(filters: Sequence[int], taps: int, bound: float) -> None:
+def _require_settings(filters: Sequence[int], bound: float) -> None:
     """Raise ValueError, naming the argument, for numbers that no network can have."""
     if any(number < 1 for number in filters):
         raise ValueError(f"filters is {tuple(filters)}, expected 1 or more of each layer")
-    if taps < 1 or taps % 2 == 0:
-        raise ValueError(f"taps is {taps}, expected an odd number, so that a filter has a centre")
     if not SMALLEST_BOUND <= bound <= 1 - SMALLEST_BOUND:
         raise ValueError(f"bound is {bound}, expected {SMALLEST_BOUND:g} to {1 - SMALLEST_BOUND}")
 

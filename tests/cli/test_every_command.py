@@ -31,7 +31,9 @@ def things(tiny_manifolds, tmp_path_factory):
         tiny_manifolds[0][kind].save(base / f"{name}.npz")
     np.savez(base / "strange.npz", a=np.zeros(3))
     (base / "plain.txt").write_text("a note\n")
-    for number, mask in enumerate(["{", "[]", '[{"joint": 3}]', '[{}, {"limb": "tail"}]']):
+    for number, mask in enumerate(
+        ["{", "[]", '[{"joint": 3}]', '[{"joint": "head", "frames": [1, 2]}, {"limb": "tail"}]']
+    ):
         (base / f"mask_{number}.json").write_text(mask)
     os.mkfifo(base / "pipe.json")
     text = (base / "motions" / "walk_0.bvh").read_text()
