@@ -179,3 +179,14 @@ def test_names_of_arguments_come_from_the_caller_or_from_f_and_choose_what_is_ch
 def test_what_is_no_gradient_is_told_so(f, problem):
     with pytest.raises(AssertionError, match=problem):
         check_gradients(f, np.array([[0.2, 0.3, 0.5], [2.0, 0.1, 0.7]]))
+
+
+def test_repeated_gradients_may_differ_by_the_tolerance_and_the_numbers_are_shown():
+    rng = np.random.default_rng(0)
+    noisy = lambda x: (2 * x, lambda dy: 2 * dy * (1 + 1e-4 * rng.random()))  # noqa: E731
+    x = np.array([1.0, 2.0])
+    check_gradients(noisy, x, tolerance=1e-2)
+    with pytest.raises(
+        AssertionError, match=r"the gradient for x is .* at index \(\d,\), expected"
+    ):
+        check_gradients(noisy, x)

@@ -123,7 +123,8 @@ def test_cases_do_not_depend_on_the_name():
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_a_value_that_is_not_finite_fails_and_says_so(value):
     f = lambda x: (np.full_like(x, value), lambda dy: 0 * dy)  # noqa: E731
-    assert failing(f, {"x": "n"}) == ["gradient for x", "ties"]
+    everything_else = ["strides", "dtype", "purity", "independence"]
+    assert failing(f, {"x": "n"}) == ["gradient for x", "ties", *everything_else]
     with pytest.raises(AssertionError, match=rf"the value is {value} at index \(0,\): it has to"):
         verify.check_gradients(f, np.ones(2))
     of_a = lambda a, b: (a * b, lambda dy: (np.nan * a, dy * a))  # noqa: E731
@@ -222,3 +223,44 @@ def test_a_fourier_transform_that_wraps_around_is_found():
 def test_what_cannot_be_read_is_refused(shapes, options, problem):
     with pytest.raises(ValueError, match=f"tanh: {problem}|tanh: the {problem}"):
         verify.properties_of(ops.tanh, shapes, **options)
+
+
+def test_a_gradient_that_is_not_finite_fails_in_every_property():
+    f = lambda x: (2 * x, lambda dy: np.nan * dy)  # noqa: E731
+    stated = verify.properties_of(f, {"x": "n"})
+    assert failing(f, {"x": "n"}) == [prop.name for prop in stated]
+
+
+def normalise(x):
+    """Each row divided by its length, whose gradient for float32 has a factor of float64."""
+    count = np.prod(x.shape[-1:])
+    size = np.sqrt((x * x).mean(axis=-1, keepdims=True) + np.float32(1))
+    y = x / size
+
+    def pullback(dy):
+        return np.float64(1) * (dy - y * (y * dy).sum(axis=-1, keepdims=True) / count) / size
+
+    return y, pullback
+
+
+def test_results_of_float64_have_the_tolerance_of_the_float32_that_went_in():
+    assert failing(normalise, {"x": "batch channels"}, dtypes=("float32",)) == []
+
+
+def noisy(size):
+    """Twice x, with a gradient that differs from call to call, as that of an iterative solver."""
+    rng = np.random.default_rng(0)
+    return lambda x: (2 * x, lambda dy: 2 * dy * (1 + size * rng.uniform(-1, 1)))
+
+
+def test_repeated_results_may_differ_by_the_nondeterminism_that_is_stated():
+    assert "linearity" in failing(noisy(1e-8), {"x": "n"})
+    assert failing(noisy(1e-8), {"x": "n"}, nondeterminism=1e-6) == []
+    assert "linearity" in failing(noisy(1e-4), {"x": "n"}, nondeterminism=1e-6)
+
+
+def test_properties_are_tried_on_as_many_cases_as_are_stated():
+    stated = verify.properties_of(noisy(0), {"x": "n"}, cases=3)
+    assert {len(prop.cases()) for prop in stated} == {3}
+    with pytest.raises(ValueError, match="cases is 0, expected at least 1"):
+        verify.properties_of(noisy(0), {"x": "n"}, cases=0)

@@ -16,6 +16,7 @@ from numpy_cae.verify.checks.leaves import (
     outputs_of,
     rebuild,
 )
+from numpy_cae.verify.checks.messages import texts_that_differ
 from numpy_cae.verify.checks.mismatch import ALTERED, REPEATED, Mismatch, require_finite
 
 ROUNDED = 2
@@ -32,6 +33,8 @@ OTHERWISE = "called again, f returns another {}: randomness comes in as an argum
 OVERWRITTEN = "the gradient that was returned first is overwritten by the second"
 REPEATED_ROUNDINGS = 1000
 """Repeated results may differ by so many roundings of the largest of them."""
+NUMBER_DIGITS = 10
+"""The two numbers of a repeated result have at least so many digits."""
 TERM_ROUNDINGS = 16
 """Repeated results may also differ by so many roundings of the largest number they are made of."""
 
@@ -57,6 +60,7 @@ class CheckedFunction:
     inputs: Sequence
     names: Sequence[str]
     only: Sequence[str] | None
+    tolerance: float = 0.0  # by how much repeated results may differ, relative to the largest
 
     @property
     def named_leaves(self) -> list[tuple[str, Any]]:
@@ -125,7 +129,7 @@ class CheckedFunction:
         for (name, leaf), leaf_before in zip(self.named_leaves, before, strict=True):
             _require_unaltered(name, leaf, leaf_before)
         self._require_linear(pullback, dys, first_gradients, before)
-        _require_same(OVERWRITTEN, first_gradients, gradients)
+        self._require_same(OVERWRITTEN, self._gradient_names, first_gradients, gradients)
         self._require_repeatable(before, outputs, dys, first_gradients)
         return self._gradients_of_each(pullback, dys, first_gradients)
 
@@ -134,18 +138,51 @@ class CheckedFunction:
     ) -> None:
         """Raise unless the pullback called again returns a multiple for a multiple."""
         multiples = self.pull(pullback, _multiply([AGAIN_FACTOR] * len(dys), dys))
-        expected = [AGAIN_FACTOR * gradient for gradient in gradients if gradient is not None]
+        expected = _multiply([AGAIN_FACTOR] * len(gradients), gradients)
         sizes = [float(np.max(np.abs(leaf), initial=0.0)) for leaf in leaves if is_float(leaf)]
-        _require_same(AGAIN, expected, multiples, max(sizes))
+        self._require_same(AGAIN, self._gradient_names, expected, multiples, max(sizes))
 
     def _require_repeatable(
         self, leaves: Sequence, outputs: Sequence, dys: Sequence, gradients: Sequence
     ) -> None:
         """Raise unless a second call returns the same value and the same gradients."""
         outputs_again, pullback_again = self.outputs(copy_arrays(leaves))
-        _require_same(OTHERWISE.format("value"), outputs, outputs_again)
+        values = [f"value {number}" for number in range(len(outputs))]
+        if len(outputs) == 1:
+            values = ["the value"]
+        self._require_same(OTHERWISE.format("value"), values, outputs, outputs_again)
         gradients_again = self.pull(pullback_again, dys)
-        _require_same(OTHERWISE.format("gradient"), gradients, gradients_again)
+        problem = OTHERWISE.format("gradient")
+        self._require_same(problem, self._gradient_names, gradients, gradients_again)
+
+    @property
+    def _gradient_names(self) -> list[str]:
+        """What the gradient for each part of the arguments is called."""
+        return [f"the gradient for {name}" for name, _ in self.named_leaves]
+
+    def _require_same(
+        self,
+        problem: str,
+        subjects: Sequence[str],
+        first: Sequence,
+        second: Sequence,
+        size: float = 0.0,
+    ) -> None:
+        """Raise a Mismatch with the problem and two numbers unless all floats agree.
+
+        They may differ by rounding in the coarsest dtype that went in, and by the tolerance. What
+        they are made of has this size: a gradient may be the difference of two weights.
+        """
+        expected = flatten_floats(first)
+        largest = np.max(np.abs(expected), initial=0.0, where=np.isfinite(expected))
+        epsilon = float(np.finfo(expected.dtype).eps)
+        if any(getattr(leaf, "dtype", None) == np.float32 for leaf in self.leaves):
+            epsilon = SINGLE
+        roundings = REPEATED_ROUNDINGS * largest + TERM_ROUNDINGS * size
+        allowed = epsilon * roundings + self.tolerance * largest
+        for subject, right, result in zip(subjects, first, second, strict=True):
+            if is_float(right):
+                _require_close(problem, subject, np.asarray(right), np.asarray(result), allowed)
 
     def _gradients_of_each(
         self, pullback: Callable, dys: Sequence, gradients: list
@@ -202,18 +239,18 @@ def _require_unaltered(name: str, array: object, before: Any) -> None:
         raise Mismatch(ALTERED, name, text)
 
 
-def _require_same(problem: str, first: Sequence, second: Sequence, size: float = 0.0) -> None:
-    """Raise a Mismatch with the problem unless all floats agree, to rounding.
-
-    What they are made of has this size: a gradient may be the difference of two weights.
-    """
-    expected = flatten_floats(first)
-    result = flatten_floats(second)
-    largest = np.max(np.abs(expected), initial=0.0, where=np.isfinite(expected))
-    roundings = REPEATED_ROUNDINGS * largest + TERM_ROUNDINGS * size
-    allowed = np.finfo(expected.dtype).eps * roundings
-    is_same = expected.shape == result.shape and np.allclose(
-        expected, result, 0, allowed, equal_nan=True
-    )
-    if not is_same:
-        raise Mismatch(REPEATED, problem, problem)
+def _require_close(
+    problem: str, subject: str, expected: np.ndarray, result: np.ndarray, allowed: float
+) -> None:
+    """Raise a Mismatch with both numbers where two arrays differ most, unless they agree."""
+    if expected.shape != result.shape:
+        shapes = f"{subject} has shape {result.shape}, at first {expected.shape}"
+        raise Mismatch(REPEATED, problem, f"{problem}\n    {shapes}")
+    if np.allclose(expected, result, 0, allowed, equal_nan=True):
+        return
+    off = np.nan_to_num(np.abs(result - expected), nan=np.inf)
+    index = tuple(map(int, np.unravel_index(np.argmax(off), off.shape)))
+    place = f" at index {index}" if index else ""
+    numbers = texts_that_differ(float(result[index]), float(expected[index]), NUMBER_DIGITS)
+    text = f"{problem}\n    {subject} is {numbers[0]}{place}, expected {numbers[1]}"
+    raise Mismatch(REPEATED, problem, text)

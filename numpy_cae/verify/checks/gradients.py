@@ -39,7 +39,7 @@ DIRECTIONS = 4
 EQUAL_ENTRIES = (1.7, 2.9)
 """Frequencies by which the step of an entry depends on its size."""
 KINKS_EXCUSED = 0.05
-"""Kinks are excused in at most this share of the entries."""
+"""Kinks are excused in one entry, or in at most this share of the entries."""
 WORDS_OF_FURTHER_PROBLEMS = 60
 """Of a second and further wrong gradient so many words are printed."""
 NUMBER_DIGITS = 10
@@ -71,7 +71,8 @@ def check_gradients(
     rng : numpy.random.Generator, optional
         For the upstream gradient and the directions; the default has a fixed seed.
     tolerance : float
-        Relative to the sizes of both numbers, and at least 1e-4 for float32.
+        Relative to the sizes of both numbers, and at least 1e-4 for float32. The value and the
+        gradients of a second call may differ by as much.
     names : sequence of str, optional
         The names of the arguments in messages; by default the names in the signature of f.
     only : sequence of str, optional
@@ -169,7 +170,7 @@ def find_wrong_gradients(
         raise TypeError("no argument is an array of float64 or float32")
     if upstream is None:
         upstream = _random_upstream(rng)
-    function = CheckedFunction(f, inputs, names, only)
+    function = CheckedFunction(f, inputs, names, only, tolerance)
     of_outputs = function.gradients_by_output(upstream)
     problems: list[Mismatch] = []
     for output in of_outputs:

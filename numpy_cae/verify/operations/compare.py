@@ -13,6 +13,7 @@ from numpy_cae.verify.checks.mismatch import (
     NUMBER,
     Mismatch,
     kind_and_subject,
+    require_finite,
     require_shape,
 )
 from numpy_cae.verify.operations.case import Case
@@ -59,9 +60,23 @@ class Comparison:
 
     def __call__(self, implementation: Callable, case: Case) -> None:
         for pair in self.pairs(self.operation, implementation, case):
-            if self.operation.is_own and pair.tolerance and _is_in_single(pair):
-                pair = replace(pair, tolerance=max(pair.tolerance, SINGLE_EXACT))
+            if self.operation.is_own:
+                pair = self._of_own_operation(pair, case)
             require_pair(pair)
+
+    def _of_own_operation(self, pair: Pair, case: Case) -> Pair:
+        """The pair with the tolerance of the coarsest array that went in.
+
+        Where nothing says what is right, a result has to be finite.
+        """
+        if not self.operation.has_right_value:
+            require_finite(pair.subject, pair.result)
+        if not pair.tolerance:
+            return pair
+        tolerance = max(pair.tolerance, self.operation.nondeterminism)
+        if _is_in_single(pair) or self.operation.takes_float32(case):
+            tolerance = max(tolerance, SINGLE_EXACT)
+        return replace(pair, tolerance=tolerance)
 
     def results(self, implementation: Callable, case: Case) -> list[np.ndarray]:
         """All results of an implementation; if it raises, what failed comes last."""

@@ -29,19 +29,26 @@ def failure(tried: Property, implementation: Callable, case: Case) -> BaseExcept
     return None
 
 
-def failing_case(
+def first_failure(
     tried: Property, implementation: Callable, begin: Callable[[Case], None] | None = None
-) -> Case | None:
-    """The first case in which a property does not hold, or None.
+) -> tuple[Case, BaseException] | None:
+    """The first case in which a property does not hold, with the error, or None.
 
     `begin` is called with each case before it is tried.
     """
     for case in tried.cases():
         if begin is not None:
             begin(case)
-        if failure(tried, implementation, case) is not None:
-            return case
+        error = failure(tried, implementation, case)
+        if error is not None:
+            return case, error
     return None
+
+
+def failing_case(tried: Property, implementation: Callable) -> Case | None:
+    """The first case in which a property does not hold, or None."""
+    failed = first_failure(tried, implementation)
+    return None if failed is None else failed[0]
 
 
 def smallest_case(

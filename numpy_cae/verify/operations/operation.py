@@ -68,6 +68,7 @@ class Operation:
     canonical: Callable[[Mapping[str, Any], Any], Any] = _keep_gradient  # equal for all right ones
     seeded_by: str = ""  # what the cases depend on, by default the name
     drawn_by_caller: tuple[str, ...] = ()  # arguments that no property may alter
+    nondeterminism: float = 0.0  # by how much repeated results may differ, relatively
 
     def value(self, *arguments: Any) -> Any:
         """The right value; an operation with neither reference nor definition has none."""
@@ -81,6 +82,11 @@ class Operation:
     def is_own(self) -> bool:
         """Whether it is an operation of one's own, of `properties_of`."""
         return bool(self.seeded_by)
+
+    def takes_float32(self, case: Case) -> bool:
+        """Whether an argument of a case is an array of float32."""
+        arrays = self.arguments(case).values()
+        return any(getattr(array, "dtype", None) == np.float32 for array in arrays)
 
     @property
     def has_right_value(self) -> bool:

@@ -47,6 +47,8 @@ def properties_of(
     skip: Sequence[str] = (),
     dtypes: Sequence[str] = DTYPES,
     marks: Mapping[str, object] | None = None,
+    cases: int | None = None,
+    nondeterminism: float = 0.0,
     seed: int = 0,
 ) -> tuple[Property, ...]:
     """What must hold of an operation of one's own: the properties that `numpy_cae.ops` has.
@@ -80,6 +82,11 @@ def properties_of(
         property "dtype"; with ("float32",) all arrays are float32.
     marks : mapping of str to a mark of pytest, or several, optional
         By property, such as {"dtype": pytest.mark.xfail}.
+    cases : int, optional
+        Each property is tried on so many of its cases, small and large ones; by default on all.
+    nondeterminism : float, optional
+        By how much repeated results may differ, relative to the largest entry, as those of an
+        iterative solver do; by default by rounding.
     seed : int, optional
         Of the random cases.
 
@@ -91,7 +98,8 @@ def properties_of(
     ------
     ValueError
         If `sizes`, `values` or `differentiable` name something that `shapes` does not have, if
-        `skip` or `marks` name no property, or if a size cannot be read or has a name in use.
+        `skip` or `marks` name no property, if a size cannot be read or has a name in use, or if
+        `cases` is below 1.
 
     Examples
     --------
@@ -120,13 +128,20 @@ def properties_of(
     all_sizes = {**_default_sizes(shapes), "values": tuple(VALUES), **_as_tuples(sizes)}
     operation = _own_operation(name, all_sizes, arguments, definition, differentiable)
     drawn_by_caller = tuple(argument for argument in values if callable(values[argument]))
-    operation = replace(operation, seeded_by=f"seed {seed}", drawn_by_caller=drawn_by_caller)
+    operation = replace(
+        operation,
+        seeded_by=f"seed {seed}",
+        drawn_by_caller=drawn_by_caller,
+        nondeterminism=nondeterminism,
+    )
     stated = list(shared_properties(operation))
     property_names = [prop.name for prop in stated]
     _require_known(name, "the list of properties", {*skip, *marks}, property_names)
     left_out = {*skip} if tuple(dtypes) == DTYPES else {*skip, "dtype"}
+    if cases is not None and cases < 1:
+        raise ValueError(f"{name}: cases is {cases}, expected at least 1")
     return tuple(
-        replace(prop, marks=marks.get(prop.name, ()), example_of="stated")
+        replace(prop, marks=marks.get(prop.name, ()), example_of="stated", most_cases=cases)
         for prop in stated
         if prop.name not in left_out
     )

@@ -54,11 +54,15 @@ class Property:
     example_of: str = ""  # how a report names it in a call of `example`
     seeded_by: str = ""  # what the cases depend on, by default the operation
     marks: Any = ()  # of pytest
+    most_cases: int | None = None  # of all cases only so many, evenly chosen, are tried
 
     def cases(self) -> list[Case]:
         """Random cases, the same in every run, smallest arrays first."""
         name = f"{self.seeded_by or self.operation}: {self.name}"
-        return random_cases(name, self.sizes, self.examples, self.combined, self.full_size_classes)
+        cases = random_cases(name, self.sizes, self.examples, self.combined, self.full_size_classes)
+        if self.most_cases is None or self.most_cases >= len(cases):
+            return cases
+        return [cases[i * len(cases) // self.most_cases] for i in range(self.most_cases)]
 
     @property
     def comparison(self) -> Comparison | None:

@@ -13,7 +13,13 @@ import numpy as np
 from numpy_cae.verify.checks.calls import call_for_array
 from numpy_cae.verify.checks.checked_function import TOGETHER
 from numpy_cae.verify.checks.gradients import check_adjoint, find_wrong_gradients
-from numpy_cae.verify.checks.mismatch import DTYPE, OVERWRITTEN, Mismatch, require_shape
+from numpy_cae.verify.checks.mismatch import (
+    DTYPE,
+    OVERWRITTEN,
+    Mismatch,
+    require_finite,
+    require_shape,
+)
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.compare import (
     EXACT,
@@ -333,6 +339,8 @@ def _compare_dtypes(operation: Operation, implementation: Callable, case: Case) 
     in_double, *rounded = _results_in_float64(operation, implementation, in_single)
     results = results_of(operation, implementation, copy_inputs(in_single, layout))
     for name, result in results.items():
+        if not operation.has_right_value:
+            require_finite(f"of float64, {name}", in_double[name])
         _require_dtype(name, in_double[name], np.float64)
         _require_dtype(name, result, np.float32)
         expected = operation.canonical(in_single, in_double[name])
@@ -422,7 +430,10 @@ def _compare_inputs(operation: Operation, implementation: Callable, case: Case) 
     call = _Call(operation, implementation, copies)
     yield from compare_with_copies(copies, inputs, "call")
     for dy in (call.dy, copy_upstream(call.dy)):
-        call.pullback(dy)
+        pulled = call.pullback(dy)
+        if not operation.has_right_value:
+            for name, result in name_results(operation, call.value, pulled).items():
+                require_finite(name, result)
         yield from compare_with_copies([*copies[:-1], dy], inputs, "pullback")
 
 

@@ -22,7 +22,7 @@ from numpy_cae.verify.checks.mismatch import (
     kind_and_subject,
 )
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.counterexample import failing_case, failure, smallest_case
+from numpy_cae.verify.operations.counterexample import first_failure, failure, smallest_case
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.operation_catalogue import example_call
 from numpy_cae.verify.operations.property import Outcome, Property
@@ -78,9 +78,10 @@ def try_property(
     The counterexample is the smallest case that fails, or without `shrink` the first one. `begin`
     is called with each case before it is tried.
     """
-    case = failing_case(tried, implementation, begin)
-    if case is None:
+    failed = first_failure(tried, implementation, begin)
+    if failed is None:
         return Outcome(tried, held=True)
+    case, first_error = failed
     recorder = _Recorder(implementation)
     error = failure(tried, recorder, case)
     if error is not None and shrink and not isinstance(error, NotImplementedError):
@@ -88,7 +89,8 @@ def try_property(
         recorder = _Recorder(implementation)
         error = failure(tried, recorder, case)
     if error is None:
-        return Outcome(tried, False, UNSTEADY, str(case))
+        problem = f"{UNSTEADY}; at first: {_describe_problem(first_error, implementation, case)}"
+        return Outcome(tried, False, problem, str(case))
     return Outcome(
         tried,
         held=False,
