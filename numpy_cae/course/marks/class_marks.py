@@ -230,5 +230,7 @@ def _import_path(table: Path) -> Path:
 
 def _lessons_of(table: MarksTable, reports: Sequence[FileReport]) -> list[str]:
     """The lessons of a table that were handed in now."""
-    graded = {report.operation for file in reports for report in file.reports}
+    graded: set[str] = set()
+    for file in reports:
+        graded.update(report.operation for report in file.reports)
     return [lesson for lesson in table.lessons if not graded.isdisjoint(ASSIGNMENTS[lesson])]

@@ -174,22 +174,22 @@ def make_table(
     reports_of = {csv_cell(student): files for student, files in reports_of.items()}
     corrections = {csv_cell(student): listed for student, listed in corrections.items()}
     best = {student: best_reports(files) for student, files in reports_of.items()}
-    kept = _names_in([*old_marks.values(), *map(_names_corrected, corrections.values())])
+    before = _names_in([*old_marks.values(), *map(_names_corrected, corrections.values())])
     uncounted: set[str] = set()
     if not one_lesson:
-        uncounted = _odd_exercises([*_marks_of_students(best, old_marks).values()], kept)
+        uncounted = _odd_exercises([*_marks_of_students(best, old_marks).values()], before)
     in_roster = [csv_cell(student) for student in roster]
-    students = dict.fromkeys([*in_roster, *reports_of, *old_marks, *corrections])
-    with_marks = (_names_in(best.values()) | kept) - uncounted
-    exercises = _exercises_with_marks(with_marks)
+    exercises = _exercises_with_marks((_names_in(best.values()) | before) - uncounted)
     table = MarksTable(exercises, [])
-    for student in students:
-        old = old_marks.get(student, {})
-        marks, notes = _marks(best.get(student, {}), old, corrections.get(student, ()))
-        counted = {name: mark for name, mark in marks.items() if name not in uncounted}
-        row = Row(student, counted, notes=notes)
-        files = reports_of.get(student, ())
-        row.problems += _problems(row, files, late, table.lessons, marks.keys() - counted.keys())
+    for student in dict.fromkeys([*in_roster, *reports_of, *old_marks, *corrections]):
+        marks, notes = _marks(
+            best.get(student, {}), old_marks.get(student, {}), corrections.get(student, ())
+        )
+        row = Row(student, {}, notes=notes)
+        for name, mark in marks.items():
+            if name not in uncounted:
+                row.points[name] = mark
+        row.problems += _problems(row, reports_of.get(student, ()), late, table.lessons, uncounted)
         if in_roster and student not in in_roster:
             row.problems.append("not in the roster")
         table.rows.append(row)
