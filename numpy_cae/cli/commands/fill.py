@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     reading = arguments.reading(args)
     with working(outcome.title) as is_done:
         for number, source in enumerate(outcome.targets):
-            progress = outcome.progress_of(number, READING_SHARE, is_done)
+            progress = outcome.progress_of(number, READING_SHARE, 1 - READING_SHARE, is_done)
             with outcome.of_file(source):
                 motion = load_motion(source, **reading)
                 progress(0.0)

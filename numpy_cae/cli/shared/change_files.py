@@ -47,13 +47,18 @@ class Outcome:
         return str(self.args.files[0]) if self.is_single else count(len(self.targets), "file")
 
     def progress_of(
-        self, number: int, reading_share: float, is_done: Callable[[float], None]
+        self,
+        number: int,
+        reading_share: float,
+        repair_share: float,
+        is_done: Callable[[float], None],
     ) -> Callable[[float], None]:
-        """A function that takes the share of the work on a file that is done, without its reading;
-        it tells `is_done` the share of the work on all of them."""
+        """A function that takes the share of the repair of a file that is done, which comes after
+        its reading and before its writing; it tells `is_done` the share of the work on all files.
+        """
 
         def progress(share: float) -> None:
-            of_file = reading_share + (1 - reading_share) * share
+            of_file = reading_share + repair_share * share
             is_done((number + of_file) / len(self.targets))
 
         return progress
