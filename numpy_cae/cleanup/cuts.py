@@ -65,18 +65,25 @@ def find_cuts(view: View) -> list[int]:
     """
     if len(view) < 4:
         return []
-    steps = np.array([channel.steps() for channel in view.channels if channel.is_rotation])
-    if not len(steps):
+    rotations = np.array([channel.steps() for channel in view.channels if channel.is_rotation])
+    root = np.array([channel.steps() for channel in view.channels if channel.is_root])
+    if not len(rotations) or not len(root):
         return []
-    padded = np.pad(steps, ((0, 0), (1, 1)))
-    neighbours = np.maximum(padded[:, :-2], padded[:, 2:])
-    is_long = steps > np.maximum(CUT_TO_NEIGHBOURS_RATIO * neighbours, STILL_METRES)
-    is_still = steps.mean(axis=0) <= STILL_METRES
+    is_cut = _are_long(rotations).mean(axis=0) >= CUT_SHARE
+    is_cut &= _are_long(root).any(axis=0)
+    is_still = rotations.mean(axis=0) <= STILL_METRES
     cuts = []
-    for before in np.flatnonzero(is_long.mean(axis=0) >= CUT_SHARE).tolist():
+    for before in np.flatnonzero(is_cut).tolist():
         if _changes_clip(view, is_still, before):
             cuts.append(before + 1)
     return _drop_noise(view, _drop_other_poses(view, cuts))
+
+
+def _are_long(steps: np.ndarray) -> np.ndarray:
+    """Which of the steps (channels, frames - 1) are much longer than those before and after."""
+    padded = np.pad(steps, ((0, 0), (1, 1)))
+    neighbours = np.maximum(padded[:, :-2], padded[:, 2:])
+    return np.asarray(steps > np.maximum(CUT_TO_NEIGHBOURS_RATIO * neighbours, STILL_METRES))
 
 
 def _changes_clip(view: View, is_still: np.ndarray, before: int) -> bool:

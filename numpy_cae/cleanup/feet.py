@@ -94,17 +94,17 @@ STANDING_CENTIMETRES = 1.0
 """Feet that slide by this speed (cm/s) or less stand."""
 
 
-STAYING_METRES_A_SECOND = 0.05
-"""A foot that slides slower than this (m/s) while it stands is left as it is. In stances of Bandai
-75% are slower than 4.2 cm/s, in clean files from suits and optical systems half are slower than
-2.2 cm/s, in three files from video half are faster than 21 cm/s."""
+STAYING_METRES_A_SECOND = 0.03
+"""A foot that slides slower than this (m/s) while it stands is left as it is. In clean files from
+suits and optical systems half of the stances are slower than 2.2 cm/s, of Bandai half than 1.9, in
+files from video half are faster than 21 cm/s."""
 STAYING_METRES = 0.04
 """A foot that is left as it is moves by at most this (m) while it stands."""
 PLACE_SECONDS = 0.5
 """The place of a foot before and after a frame is the median over this time (s)."""
-STEP_METRES = 0.03
+STEP_METRES = 0.05
 """A foot changes its place where the places before and after are further apart than this (m)."""
-STEP_RATIO = 2.0
+STEP_RATIO = 3.0
 """A foot changes its place where the places before and after are further apart than this times the
 median while it stands: a foot that slides all the time does not."""
 MOVING_SHARE = 0.5
@@ -275,7 +275,11 @@ def _stances(view: View, is_on_path: bool) -> list[Stance]:
     stances = []
     for foot in (0, 1):
         for first, end in runs(stands[:, foot]).tolist():
-            for start, stop in _between_steps(toes[first:end, foot], view):
+            # A root whose path follows from the feet has no steps of its own.
+            parts = (
+                [(0, end - first)] if is_on_path else _between_steps(toes[first:end, foot], view)
+            )
+            for start, stop in parts:
                 if stop - start >= STANCE_SECONDS * view.rate:
                     stances.append(Stance(foot, first + start, first + stop))
     return stances
@@ -284,7 +288,7 @@ def _stances(view: View, is_on_path: bool) -> list[Stance]:
 def _between_steps(toe: np.ndarray, view: View) -> list[tuple[int, int]]:
     """The times in which a slow toe (frames, 3) is at one place, their first frames and ends."""
     half = view.frames(PLACE_SECONDS)
-    if len(toe) < 2 * half or half < 2:
+    if len(toe) <= 2 * half or half < 2:
         return [(0, len(toe))]
     floor = toe[:, [0, 2]]
     places = np.median(sliding_window_view(floor, half, axis=0), axis=-1)

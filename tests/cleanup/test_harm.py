@@ -206,7 +206,7 @@ def test_feet_that_shuffle_and_hardly_slide_stay():
 
 
 def test_a_stance_ends_where_a_foot_changes_its_place():
-    motion = shuffling(0.12)
-    motion.translations[:, 0, 2] += 0.08 * np.arange(len(motion)) / 60.0  # it slides, besides
+    motion = shuffling(0.15)
+    motion.translations[:, 0, 2] += 0.05 * np.arange(len(motion)) / 60.0  # it slides, besides
     for finding in find_feet(View(motion)):
         assert finding.frames[1] - finding.frames[0] < 2.6 * 60
