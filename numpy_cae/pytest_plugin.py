@@ -25,8 +25,7 @@ def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str
     if not _is_marked(function) or PROPERTY in inspect.signature(function).parameters:
         return
     if kind is classmethod or inspect.iscoroutinefunction(function):
-        refused = "class method" if kind is classmethod else "coroutine"
-        raise collector.CollectError(f"{name}: operation_test needs a function, not a {refused}")
+        return  # refused when it is run, so that no other test of the file is lost
     is_method = isinstance(collector, pytest.Class) and kind is not staticmethod
     parameter = inspect.Parameter(PROPERTY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     parameters = [*_fixture_parameters(function, is_method), parameter]
@@ -52,10 +51,31 @@ def _fixture_parameters(function: FunctionType, is_method: bool) -> list[inspect
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Make a test of each property."""
-    if _is_marked(metafunc.function):
+    if _is_marked(metafunc.function) and PROPERTY in metafunc.fixturenames:
         properties = vars(metafunc.function)["operation_test"]
         cases = [pytest.param(prop, id=prop.name, marks=prop.marks) for prop in properties]
         metafunc.parametrize(PROPERTY, cases)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Fail with a sentence where a marked function cannot be a test of each property."""
+    if not isinstance(item, pytest.Function) or not _is_marked(item.function):
+        return
+    if PROPERTY in item.fixturenames:
+        return
+    refused = "class method"
+    if inspect.iscoroutinefunction(item.function):
+        refused = "coroutine"
+    elif _is_of_unittest(item.cls):
+        refused = "method of unittest.TestCase"
+    text = f"{item.name}: operation_test needs a function, or a method of a plain class"
+    pytest.fail(f"{text}, not a {refused}", pytrace=False)
+
+
+def _is_of_unittest(cls: type | None) -> bool:
+    """Whether a class is a TestCase, without importing unittest."""
+    return cls is not None and any(base.__module__.startswith("unittest") for base in cls.__mro__)
 
 
 @pytest.hookimpl(tryfirst=True)

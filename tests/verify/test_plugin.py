@@ -70,6 +70,39 @@ def test_the_page_for_ones_own_layer_and_a_project_of_its_own(tmp_path):
     assert len(named) == 9 and all(f"PASSED {name}" in text for name in named)
     report = text.partition("FAILURES")[2].partition("short test summary")[0]
     assert "batch 2, " in report and "scale = [-1.0, 1.0]" in report
-    assert report.count("KeyError: 'lost' (line ") == 7
+    assert report.count("KeyError: 'lost' (test_project.py, line ") == 7
     assert report.count("as in an earlier test, KeyError") == 6
     assert "numpy_cae/verify" not in report
+
+
+REFUSED = """
+import unittest
+from numpy_cae import verify
+
+class TestOfUnittest(unittest.TestCase):
+    @verify.operation_test(shapes={"x": "n"})
+    def test_method(self, x):
+        return 2 * x, lambda dy: 2 * dy
+
+class TestClassMethod:
+    @classmethod
+    @verify.operation_test(shapes={"x": "n"})
+    def test_of_class(cls, x):
+        return 2 * x, lambda dy: 2 * dy
+
+@verify.operation_test(shapes={"x": "n"})
+async def test_coroutine(x):
+    return 2 * x, lambda dy: 2 * dy
+
+def test_beside_them():
+    pass
+"""
+
+
+def test_what_cannot_be_a_test_of_each_property_is_refused_one_by_one(tmp_path):
+    (tmp_path / "test_refused.py").write_text(REFUSED)
+    text = run_pytest(tmp_path, "-p", "numpy_cae.pytest_plugin")
+    needed = "operation_test needs a function, or a method of a plain class, not a"
+    for refused in ("method of unittest.TestCase", "class method", "coroutine"):
+        assert text.count(f"{needed} {refused}") >= 1, text
+    assert "1 passed, 3 errors" in text and "Traceback" not in text, text

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from numpy_cae import ops, verify
-from numpy_cae.verify.operations.trial import try_property
+from numpy_cae.verify.grading.report import report, report_of
+from numpy_cae.verify.operations.operation_catalogue import find_exercise
+from numpy_cae.verify.operations.trial import C_ORDER, try_property
 
 
 def my_conv1d(x, w, b):
@@ -97,3 +99,37 @@ def test_an_overflow_is_a_warning_and_costs_nothing():
     with pytest.warns(RuntimeWarning, match="overflow encountered in exp"):
         assert verify.report("sigmoid", naive_sigmoid).held
         verify.check_gradients(naive_sigmoid, np.array([0.5, -1000.0]))
+
+
+def test_smaller_cases_are_called_right_only_where_one_was_tried():
+    exercise = find_exercise("tanh")
+    first, second, *_ = exercise.properties[0].cases()
+    for case, is_said in ((first, False), (second, True)):
+        reply = {"failed": "it did not finish", "outcomes": [], "trying": str(case)}
+        text = str(report_of(exercise, reply))
+        assert ("smaller cases were right" in text) == is_said, text
+
+
+def test_c_order_is_named_only_where_arrays_in_c_order_give_the_right_result():
+    def two_gradients(x_hat, x):
+        value, pullback = ops.mean_squared_error(x_hat, x)
+        return value, lambda dloss=1.0: (pullback(dloss), -pullback(dloss))
+
+    def read_in_c_order(x):
+        _, pullback = ops.tanh(x)
+        return np.tanh(np.ravel(x, "K")).reshape(x.shape), pullback
+
+    mistakes = []
+    for name, wrong in (("mean_squared_error", two_gradients), ("tanh", read_in_c_order)):
+        named = {prop.name: prop for prop in find_exercise(name).properties}
+        mistakes.append(try_property(named["strides"], wrong).mistake)
+    assert C_ORDER not in mistakes[0] and mistakes[1] == C_ORDER
+
+
+def test_another_shape_is_no_loss_of_digits():
+    def linear_of_rows(x, w, b):
+        y, pullback = ops.linear(x, w, b)
+        return np.atleast_2d(y), lambda dy: pullback(dy.reshape(y.shape))
+
+    text = str(report("linear", linear_of_rows))
+    assert "has shape" in text and "Digits are lost" not in text

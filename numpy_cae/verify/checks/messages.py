@@ -68,8 +68,11 @@ def file_of(function: Callable) -> str:
     return getattr(code, "co_filename", "")
 
 
-def error_text(error: BaseException, file: str = "") -> str:
-    """Type, message and line of an exception, even if its __str__ raises."""
+def error_text(error: BaseException, file: str = "", is_file_named: bool = False) -> str:
+    """Type, message and line of an exception, even if its __str__ raises.
+
+    The line of another file than this one has the name of its file; with `is_file_named` each has.
+    """
     try:
         text = f"{type(error).__name__}: {error}"[: LONGEST_TEXT // 2]
     except Exception:
@@ -83,7 +86,9 @@ def error_text(error: BaseException, file: str = "") -> str:
     if not own_frames:
         return text
     last = own_frames[-1]
-    name = "" if last.filename == file else f"{Path(last.filename).name}, "
+    name = f"{Path(last.filename).name}, "
+    if last.filename == file and not is_file_named:
+        name = ""
     return f"{text} ({name}line {last.lineno})"
 
 

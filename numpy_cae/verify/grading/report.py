@@ -303,13 +303,20 @@ def report_of(exercise: Exercise, reply: dict[str, Any]) -> Report:
         outcomes = [_outcome_of(stated, plain) for stated, plain in pairs]
         if "trying" in reply and problem:
             trying = make_readable(reply["trying"])
-            problem += f"\nit was tried with {trying}; smaller cases were right"
+            problem += f"\nit was tried with {trying}"
+            if not _is_first_case(exercise, len(outcomes), trying):
+                problem += "; smaller cases were right"
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
     for stated in exercise.properties[len(outcomes) :]:
         outcomes.append(Outcome(stated, False, problem))
         problem = ""  # it is said once
     return Report(exercise, exercise.name, tuple(outcomes))
+
+
+def _is_first_case(exercise: Exercise, number: int, trying: str) -> bool:
+    """Whether this was the first case of the property of this number, before which none was."""
+    return trying == make_readable(str(exercise.properties[number].cases()[0]))
 
 
 def _outcome_of(stated: Property, plain: dict[str, Any]) -> Outcome:

@@ -58,6 +58,11 @@ class Case:
             return False
         return not any(_is_large(size) for _, size in self.sizes)
 
+    def with_option(self, name: str, option: Option) -> "Case":
+        """The case with another option of a size or class that it has."""
+        sizes = tuple((size, option if size == name else was) for size, was in self.sizes)
+        return Case(sizes, self.seed)
+
     def __str__(self) -> str:
         unusual = [f"{name} {size}" for name, size in self.sizes if size != ORDINARY]
         return ", ".join([*unusual, f"seed {self.seed}"])

@@ -169,16 +169,14 @@ def _factor_or_lost_digits(trials: _Trials) -> str:
     for results, right in zip(trials.results, trials.right, strict=True):
         if any(array.dtype.kind != "f" for array in results):  # it raises
             return ""
-        row = _row(results)
-        right_row = _row(right)
-        if row.shape != right_row.shape:
+        if [array.shape for array in results] != [array.shape for array in right]:
             return ""
-        rows.append((row, right_row))
+        rows.append((_row(results), _row(right)))
     factor = _factor(trials.cases, rows)
     if factor:
         return f"It is the right result times {factor}."
     off = np.max([_relative_error(row, right_row) for row, right_row in rows])
-    if off < LOST_DIGITS:
+    if 0 < off < LOST_DIGITS:
         return f"Digits are lost: it is off by at most {off:.0e}, relatively."
     return ""
 

@@ -17,12 +17,13 @@ from numpy_cae.verify.checks.messages import (
 from numpy_cae.verify.checks.mismatch import (
     ALTERED,
     DTYPE,
+    NUMBER,
     OVERWRITTEN,
     Mismatch,
     kind_and_subject,
 )
-from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.counterexample import first_failure, failure, smallest_case
+from numpy_cae.verify.operations.case import ORDINARY, Case, simplest_case
+from numpy_cae.verify.operations.counterexample import failure, first_failure, smallest_case
 from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.operation_catalogue import example_call
 from numpy_cae.verify.operations.property import Outcome, Property
@@ -89,30 +90,38 @@ def try_property(
         recorder = _Recorder(implementation)
         error = failure(tried, recorder, case)
     if error is None:
-        problem = f"{UNSTEADY}; at first: {_describe_problem(first_error, implementation, case)}"
+        first = _describe_problem(tried, first_error, implementation, case)
+        problem = f"{UNSTEADY}; at first: {first}"
         return Outcome(tried, False, problem, str(case))
     return Outcome(
         tried,
         held=False,
-        problem=_describe_problem(error, implementation, case),
+        problem=_describe_problem(tried, error, implementation, case),
         counterexample="\n".join(_describe_example(tried, case, recorder, error)),
-        mistake=_describe_mistake(tried, implementation, error),
+        mistake=_describe_mistake(tried, implementation, error, case),
         kind=kind_and_subject(error)[0],
         crashed=not isinstance(error, AssertionError),
     )
 
 
-def _describe_problem(error: BaseException, implementation: Callable, case: Case) -> str:
+def _describe_problem(
+    tried: Property, error: BaseException, implementation: Callable, case: Case
+) -> str:
     """What is wrong: the mismatch, or the error with its line."""
     if isinstance(error, AssertionError):
         return str(error)[:LONGEST_TEXT]
-    problem = error_text(error, file_of(implementation))
+    is_own = tried.comparison is not None and tried.comparison.operation.is_own
+    problem = error_text(error, file_of(implementation), is_file_named=is_own)
     if isinstance(error, RecursionError | MemoryError):
-        problem += f"\nit runs out of depth or memory with {case}; smaller cases were right"
+        problem += f"\nit runs out of depth or memory with {case}"
+        if case not in (tried.cases()[0], simplest_case(tried.sizes)):
+            problem += "; smaller cases were right"
     return problem
 
 
-def _describe_mistake(tried: Property, implementation: Callable, error: BaseException) -> str:
+def _describe_mistake(
+    tried: Property, implementation: Callable, error: BaseException, case: Case
+) -> str:
     """The likely mistake, or ""."""
     kind, _ = kind_and_subject(error)
     of_kind = MISTAKE_OF_KIND.get(kind, "")
@@ -121,8 +130,9 @@ def _describe_mistake(tried: Property, implementation: Callable, error: BaseExce
         mistake = likely_mistake(tried, implementation, of_kind)
     if mistake or of_kind:
         return mistake or of_kind
-    if tried.name == "strides" and isinstance(error, AssertionError):
-        return C_ORDER
+    if tried.name == "strides" and kind == NUMBER:
+        if failure(tried, implementation, case.with_option("layout", ORDINARY)) is None:
+            return C_ORDER
     return ""
 
 
