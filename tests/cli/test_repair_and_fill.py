@@ -231,3 +231,23 @@ def test_a_pose_of_reference_that_stays_is_not_called_repaired(takes, tmp_path, 
     assert (finding["kind"], finding["status"]) == ("T-pose", "kept")
     assert "0 findings\n" in capsys.readouterr().out
     assert not out.with_suffix(".html").exists()
+
+
+def test_a_number_repairs_a_proposal_too(takes, tmp_path, capsys, monkeypatch):
+    """In a motion that the model does not know, what is frozen for long is proposed only."""
+    monkeypatch.setattr("numpy_cae.cleanup.repair.UNKNOWN_METRES", 0.0)
+    walk = load_motion(takes / "clean.bvh")
+    for joint in ("lhumerus", "lradius"):
+        column = walk.skeleton.index(joint)
+        walk.rotations[20:66, column] = walk.rotations[20, column]
+    source, out = tmp_path / "frozen.bvh", tmp_path / "out.bvh"
+    write_bvh(walk, source)
+    words = ["repair", str(source), "-o", str(out)]
+    main(words)
+    printed = capsys.readouterr().out
+    number = int(re.search(r"proposed, not changed:\n(?:.*\n)*?\s+(\d+)\. left_", printed)[1])
+    assert main([*words, "--overwrite", "--only", str(number)]) == 0
+    before, after = load_motion(source), load_motion(out)
+    assert changed_joints(before, after)[30:60].any()
+    assert main([*words, "--overwrite", "--only", "99"]) == 2
+    assert "--only 99: there are" in capsys.readouterr().err
