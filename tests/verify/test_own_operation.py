@@ -264,3 +264,19 @@ def test_properties_are_tried_on_as_many_cases_as_are_stated():
     assert {len(prop.cases()) for prop in stated} == {3}
     with pytest.raises(ValueError, match="cases is 0, expected at least 1"):
         verify.properties_of(noisy(0), {"x": "n"}, cases=0)
+
+
+def product_with(of_pullback):
+    """A matrix product, whose pullback for x uses a function of the matrix."""
+    return lambda a, x: (a @ x, lambda dy: (np.outer(dy, x), of_pullback(a) @ dy))
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_the_dot_test_is_a_property_of_a_linear_operator(dtype):
+    shapes = {"a": "rows rows", "x": "rows"}
+    options = {"linear": True, "dtypes": (dtype,)}
+    stated = verify.properties_of(product_with(np.transpose), shapes, **options)
+    names = [prop.name for prop in stated]
+    assert "adjoint in a" in names and "adjoint in x" in names
+    assert failing(product_with(np.transpose), shapes, **options) == []
+    assert "adjoint in x" in failing(product_with(np.array), shapes, **options)

@@ -47,6 +47,7 @@ def properties_of(
     skip: Sequence[str] = (),
     dtypes: Sequence[str] = DTYPES,
     marks: Mapping[str, object] | None = None,
+    linear: bool = False,
     cases: int | None = None,
     nondeterminism: float = 0.0,
     seed: int = 0,
@@ -82,6 +83,9 @@ def properties_of(
         property "dtype"; with ("float32",) all arrays are float32.
     marks : mapping of str to a mark of pytest, or several, optional
         By property, such as {"dtype": pytest.mark.xfail}.
+    linear : bool, optional
+        Whether f is linear in each argument that gets a gradient: then there is a property "adjoint
+        in ..." for each, the dot test <A x, dy> = <x, A' dy>, without differences.
     cases : int, optional
         Each property is tried on so many of its cases, small and large ones; by default on all.
     nondeterminism : float, optional
@@ -133,6 +137,7 @@ def properties_of(
         seeded_by=f"seed {seed}",
         drawn_by_caller=drawn_by_caller,
         nondeterminism=nondeterminism,
+        linear_in=operation.differentiated if linear else (),
     )
     stated = list(shared_properties(operation))
     property_names = [prop.name for prop in stated]
