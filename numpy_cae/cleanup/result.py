@@ -9,7 +9,7 @@ from numpy_cae.cleanup.channels import LEAST_LEVER_METRES
 from numpy_cae.cleanup.events import Event, list_events
 from numpy_cae.cleanup.finding import Finding, is_path
 from numpy_cae.cleanup.interpolation import mark_missing_joints
-from numpy_cae.cleanup.kinds import JITTER, MARKED, T_POSE
+from numpy_cae.cleanup.kinds import JITTER, MARKED, NOT_FINITE, T_POSE
 from numpy_cae.cleanup.words import (
     NOTHING_FOUND,
     count,
@@ -21,7 +21,7 @@ from numpy_cae.cleanup.words import (
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, PARENTS, Motion
 from numpy_cae.motion.motion import blocks
-from numpy_cae.motion.quaternions import rotate
+from numpy_cae.motion.quaternions import rotate, slerp
 
 MOVED_METRES = 1e-6
 """A joint is touched if it moves by more than this (m)."""
@@ -160,6 +160,63 @@ def _distance(before: Motion, after: Motion, origin: int | None) -> np.ndarray:
         of_tip = np.linalg.norm(change[:, joint] + turn, axis=-1)
         distance[:, joint] = np.maximum(distance[:, joint], of_tip)
     return distance
+
+
+def weaken(repaired: Repaired, strength: float) -> Repaired:
+    """A repair of which a part is done: each rotation and place goes a share of its way.
+
+    Parameters
+    ----------
+    repaired : Repaired
+        With its original motion.
+    strength : float
+        0 to 1: 1 is the repair, 0 the original motion. Values that were not finite are those of the
+        repair in any case.
+
+    Returns
+    -------
+    Repaired
+        Without the findings of which nothing is left, if `strength` is 0.
+
+    Raises
+    ------
+    ValueError
+        If the strength is not 0 to 1.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> from numpy_cae.cleanup import repair_motion
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.translations[30, 0] += [0.5, 0.0, 0.0]
+    >>> repaired = repair_motion(motion)
+    >>> half = weaken(repaired, 0.5)
+    >>> round(float(half.moved.max() / repaired.moved.max()), 2)
+    0.5
+    """
+    if not 0 <= strength <= 1:
+        raise ValueError(f"strength is {strength}, expected 0 to 1")
+    if strength == 1 or repaired.original is None:
+        return repaired
+    after = repaired.motion
+    before = repaired.original.at(slice(len(repaired.original) - len(after), None))
+    is_there = np.isfinite(before.rotations).all(axis=-1)
+    is_there &= np.isfinite(before.translations).all(axis=-1)
+    changes = np.any(before.rotations != after.rotations, axis=-1)
+    rotations = after.rotations.copy()
+    turned = is_there & changes
+    share = np.full(np.count_nonzero(turned), strength)
+    rotations[turned] = slerp(before.rotations[turned], after.rotations[turned], share)
+    way = np.where(is_there[..., None], after.translations - before.translations, 0.0)
+    translations = after.translations - (1 - strength) * way
+    motion = replace(after, rotations=rotations, translations=translations)
+    moved = strength * repaired.moved
+    findings = tuple(replace(found, cm=strength * found.cm) for found in repaired.findings)
+    touched = repaired.touched
+    if strength == 0:
+        findings = ()
+        touched = mark_missing_joints(after, [x for x in repaired.findings if x.row is NOT_FINITE])
+    return replace(repaired, motion=motion, moved=moved, touched=touched, findings=findings)
 
 
 def compare_motions(

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Finding, Preset, Repaired, project_motion, repair_motion
-from numpy_cae.cleanup.result import measure_distances
+from numpy_cae.cleanup.result import measure_distances, weaken
 from numpy_cae.cleanup.words import count
 from numpy_cae.cli.shared import arguments, change_files, damage_options, files
 from numpy_cae.cli.shared.output import working
@@ -57,6 +57,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "repair these findings only, proposals too, by their numbers in the printed list, on the "
     )
     only += "page and in the file of --findings"
+    strength = "0 to 1: how much of the way of the repair each joint goes (default: 1)"
+    add("--strength", type=arguments.fraction, metavar="S", help=strength)
     add("--only", nargs="+", type=arguments.positive_number, metavar="N", help=only)
 
 
@@ -64,8 +66,9 @@ def run(args: argparse.Namespace) -> int:
     """Load, repair, write and print each motion."""
     manifold = files.load_model(args)
     preset = _preset(args)
-    if args.project and (damage_options.is_chosen(args) or preset != Preset()):
-        options = "--joint, --mask, --from, --smooth, --feet and --sensitivity"
+    is_plain = preset == Preset() and args.strength is None
+    if args.project and (damage_options.is_chosen(args) or not is_plain):
+        options = "--joint, --mask, --from, --smooth, --feet, --strength and --sensitivity"
         raise ValueError(f"--project changes the whole motion: use it without {options}")
     if args.source:
         print(f"--from {args.source}: {preset}")
@@ -108,8 +111,8 @@ def _repair(
     findings = damage_options.chosen_findings(args, motion)
     repaired = repair_motion(motion, manifold, preset=preset, findings=findings, progress=progress)
     if args.only:
-        return repair_motion(motion, manifold, findings=_only(args.only, repaired))
-    return repaired
+        repaired = repair_motion(motion, manifold, findings=_only(args.only, repaired))
+    return repaired if args.strength is None else weaken(repaired, args.strength)
 
 
 def _preset(args: argparse.Namespace) -> Preset:
