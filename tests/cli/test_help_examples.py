@@ -66,9 +66,11 @@ def small(monkeypatch, files):
 
 
 @pytest.mark.parametrize("name", SUBCOMMANDS)
-def test_every_example_of_a_help_runs(name, small):
+def test_every_example_of_a_help_runs(name, small, tmp_path, monkeypatch):
     examples = examples_of(name)
     assert examples
+    if name == "demo":  # which replaces nothing that is there
+        monkeypatch.chdir(tmp_path)
     for example in examples:
         for text, shorter in SHORTER.items():
             example = example.replace(text, shorter)
