@@ -29,7 +29,8 @@ from pathlib import Path
 from numpy_cae.errors import FileError
 
 LONGEST_NAME = 50
-"""The temporary name has at most so many characters of the name: systems allow 255 bytes in all."""
+"""The temporary name has at most this many characters of the name: systems allow 255 bytes in
+all."""
 STAMP = "<!-- made by numpy-cae; the SHA-256 of the text above is {} -->\n"
 """The last line of a page, by which a page that was edited is known."""
 _may_replace = ContextVar("may_replace", default=True)

@@ -36,9 +36,9 @@ from studies.shared.material import LabelledTake, Material, evenly
 from studies.shared.result import Claim, Picture, Result, Table
 
 TAKES = 10
-"""Of each source at most so many takes are damaged."""
+"""Of each source at most this many takes are damaged."""
 HOLE_TAKES = 70
-"""Of each source at most so many takes get holes. From take to take the ratio of errors
+"""Of each source at most this many takes get holes. From take to take the ratio of errors
 varies by a third."""
 HOLES = (10, 20, 45, 90)
 """Lengths of holes, in frames at 30 a second."""

@@ -35,7 +35,7 @@ SIGMAS = (1.0, 2.0, 4.0)
 MOST_LEFT = 2 / 3
 """The result matches the truth far more closely if this share of the error is left."""
 TRAINING_WINDOWS = 600
-"""PCA is fitted to at most so many windows, evenly spaced."""
+"""PCA is fitted to at most this many windows, evenly spaced."""
 SEEN = "seen by the Kinect"
 NETWORK = "the network"
 TRUE = "truth"

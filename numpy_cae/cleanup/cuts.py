@@ -31,7 +31,7 @@ LOST_SHARE = 0.5
 """Frames were lost, and there is no cut, if the step is foretold by the speeds before and after it
 but for this share of it."""
 LONGEST_LOST_SECONDS = 0.5
-"""At most so much of a motion was lost (s); where more is missing, another clip begins."""
+"""At most this much of a motion was lost (s); where more is missing, another clip begins."""
 LATER_SHARE = 0.3
 """Some frames have another pose, and there is no cut, if after them the pose differs from that
 before them by less than this share of the jump."""

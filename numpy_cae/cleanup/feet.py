@@ -22,9 +22,8 @@ Many estimators from video give poses about a root that stands still. Let v_t be
 hips from frame t to t + 1, and u_t the step with which the toe of the lower foot would stand still.
 Where Σ‖v_t‖ < FOLLOWING_SHARE · Σ‖u_t‖ the root does not follow the feet. Then its path is the sum
 of the medians of u_t over `CALM_SECONDS`, filtered (`PATH_HERTZ`). If the feet make no steps
-(`STEPS_METRES`), its path holds the mean of both toes at one place. In height, it keeps the lower
-toe at one height.
-"""
+(`NO_STEPS_METRES`), its path holds the mean of both toes at one place. In height, it keeps the
+lower toe at one height."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -45,7 +44,7 @@ from numpy_cae.motion.masks import runs, widen_runs
 
 HANDS = [JOINTS.index("left_wrist"), JOINTS.index("right_wrist")]
 CALM_SECONDS = 0.1
-"""Steps and speeds are taken over so long before and after a frame (s)."""
+"""Steps and speeds are taken over this time before and after a frame (s)."""
 PATH_HERTZ = 2.5
 """The root's path is filtered with this cut-off (Hz). It and `SLOW_ON_PATH_METRES_A_SECOND` were
 chosen on takes of CMU and synthetic ones whose root was held still

@@ -37,7 +37,7 @@ it."""
 FROZEN_SECONDS = 0.2
 """A rotation is frozen if it stands still for at least this time (s)."""
 FROZEN_FRAMES = 6
-"""A rotation is frozen if it stands still for at least so many steps."""
+"""A rotation is frozen if it stands still for at least this many steps."""
 FROZEN_JUMP_METRES = 0.03
 """A frozen rotation then jumps by more than this (m)."""
 FROZEN_JUMP_METRES_A_SECOND = 1.5

@@ -59,8 +59,8 @@ from numpy_cae.motion.masks import at_thirty, run_numbers, runs
 from numpy_cae.motion.motion import blocks
 
 BLOCK_FRAMES = 18_000
-"""The distance from the manifold is measured over at most so many frames at a time, ten minutes at
-thirty a second: so the memory of the network's arrays has a bound."""
+"""The distance from the manifold is measured over at most this many frames at a time, ten minutes
+at thirty a second: so the memory of the network's arrays has a bound."""
 UNKNOWN_METRES = 0.12
 """A motion is unlike what the manifold learned from if its residual exceeds this (m), which is more
 than that of any take of a source left out of training (docs/lab_book/detection.md)."""
@@ -84,7 +84,7 @@ MARGIN_SECONDS = 0.2
 BETWEEN_TRIALS_SECONDS = 0.5
 """Two trials are at least this far apart (s), and as far as they are long."""
 MOST_HOLES = 40
-"""The longest holes, so many of them, have trials; the rest has the prior's weights. The trials of
+"""This many holes, the longest ones, have trials; the rest has the prior's weights. The trials of
 a hole take a tenth to half of a second."""
 LEAST_ERROR_METRES = 2e-4
 """Smaller errors (m) count as this."""

@@ -25,9 +25,9 @@ from numpy_cae.motion.quaternions import slerp
 MOST_FILTERINGS = 3
 """The strong filter acts at most this often."""
 BLENDED_SECONDS = 0.25
-"""The strong filter acts from so long before a jump to so long after it (s)."""
+"""The strong filter acts from this time before a jump to this time after it (s)."""
 FILTERED_SECONDS = 1.0
-"""The strong filter is computed from so long before a jump to so long after it (s)."""
+"""The strong filter is computed from this time before a jump to this time after it (s)."""
 SHAKING = 0.1
 """A motion shakes if the acceleration of its joints changes by more than this from frame to frame,
 in the median (m/s²)."""

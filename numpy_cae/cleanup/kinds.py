@@ -32,7 +32,8 @@ class Kind:
     joints : tuple of str
         What a finding may be about; any joint of the rig or the body where it is empty.
     is_of_one_joint : bool
-        A finding is about one joint, not the body, and not in all frames: some say what is right.
+        A finding is about one joint and never covers the whole file: the other frames show what is
+        right.
     channel : str
         `ROTATION`, `ROOT` or `BONE` if one channel of the joint is damaged; "" if all may be.
     is_offset : bool

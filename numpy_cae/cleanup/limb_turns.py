@@ -48,19 +48,19 @@ LONGEST_TURN_SECONDS = 3.4
 LEAST_CHANGE_DEGREES = 20.0
 """A rotation changes by more than this (°) where a turn begins, and at its end."""
 UNUSUAL_RATIO = 1.5
-"""This change is more than so many times the 80% quantile of the changes of the rotation within the
-same time."""
+"""This change is more than this many times the 80% quantile of the changes of the rotation within
+the same time."""
 CLOSING_SHARE = 0.6
 """The two changes undo each other but for this share of the smaller one."""
 SAME_SHARE = 0.6
 """Two possible turns are alternatives if they share this part of their frames."""
 MOST_ALTERNATIVES = 60
-"""Of alternatives, so many are compared, those of the largest changes first."""
+"""This many alternatives are compared, those of the largest changes first."""
 MOST_TURNS = 2000
-"""Of each limb so many possible turns are looked at, those of the largest changes: an hour of noise
-has a hundred times as many."""
+"""Of each limb this many possible turns are looked at, those of the largest changes: an hour of
+noise has a hundred times as many."""
 MOST_ASKED = 40
-"""The manifold is asked so often about a limb at most."""
+"""The manifold is asked at most this often about a limb."""
 SURE_LEVEL = 0.75
 """Evidence below this share of its thresholds is certain, or below its thresholds if the turn
 begins and ends quickly: the legs of dances reach 0.78, and turn for longer."""

@@ -271,7 +271,7 @@ def repair_part(
         mended, damage = mend_view(view, preset, manifold, progress, verdicts)
         part = _complete(mended, [*damage, *broken], manifold)
         repaired = [finding for finding in damage if finding.is_repaired]
-        objections = _object(view, part, repaired, preset, manifold is not None)
+        objections = _find_objections(view, part, repaired, preset, manifold is not None)
         if not objections:
             break
         verdicts |= objections
@@ -280,10 +280,10 @@ def repair_part(
     return part
 
 
-def _object(
+def _find_objections(
     before: View, part: Part, repaired: list[Finding], preset: Preset, has_manifold: bool
 ) -> Verdicts:
-    """What should not have been repaired: the status of each such finding."""
+    """The findings whose repair is to be taken back, with their new status."""
     if not repaired:
         return {}
     if not has_manifold or part.residual > UNKNOWN_METRES:

@@ -46,7 +46,7 @@ SUBCOMMANDS = {name: _first_sentence(name) for name in " ".join(GROUPS.values())
 
 
 NARROWEST = 40
-"""Help is laid out for at least so many columns."""
+"""Help is laid out for at least this many columns."""
 SHELLS = ("bash", "zsh", "tcsh")
 """The shells for which `--completion` prints a script."""
 

@@ -6,9 +6,9 @@ from html import escape
 from numpy_cae.verify.grading.report import Report
 
 MOST_LINES = 10
-"""Of what a function prints so many lines are shown; it is tested with hundreds of arrays."""
+"""This many lines of what a function prints are shown; it is tested with hundreds of arrays."""
 MOST_CHARACTERS = 4000
-"""Of what a function prints so many characters are kept."""
+"""This many characters of what a function prints are kept."""
 RIGHT = "#1b7a3d"
 WRONG = "#b3261e"
 OPEN = "#5f6368"

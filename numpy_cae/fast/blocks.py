@@ -98,7 +98,7 @@ def _constant(matrix: np.ndarray, dtype: str) -> np.ndarray:
 
 
 def block_length(frames: int, longest: int) -> tuple[int, int]:
-    """L and the number of blocks for so many frames; L is even, at most `longest` (also even)."""
+    """L and the number of blocks for this many frames; L is even, at most `longest` (also even)."""
     count = max(1, -(-frames // longest))
     length = -(-frames // count)
     return length + length % 2, count

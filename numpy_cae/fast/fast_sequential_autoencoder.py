@@ -36,12 +36,12 @@ from numpy_cae.models.sequential_autoencoder import FRAMES, Weights, gru_weights
 from numpy_cae.ops.shapes import Pullback
 
 MIN_STATES_PER_THREAD = 2048
-"""A thread has at least so many numbers of states. With fewer, one thread alone is faster: the
+"""A thread has at least this many numbers of states. With fewer, one thread alone is faster: the
 threads wait for the interpreter lock, and a product of 8 columns takes as long as one of 16.
 Measured on one machine, with AVX-512."""
 
 MAX_CLIPS = 128
-"""At most so many clips are computed at a time when no gradient is needed."""
+"""At most this many clips are computed at a time when no gradient is needed."""
 
 
 class FastSequentialAutoencoder(SequentialAutoencoder):

@@ -73,8 +73,8 @@ from numpy_cae.fast.products import Memory, multiply_columns, multiply_rows, zer
 from numpy_cae.ops.convolution import unfold
 
 BLOCK_FRAMES = 20
-"""A block has at most so many frames: longer blocks save products, shorter ones need fewer rows of
-ŵ. Measured on one machine, with AVX-512."""
+"""A block has at most this many frames: longer blocks save products, shorter ones need fewer rows
+of ŵ. Measured on one machine, with AVX-512."""
 
 SHORT_BLOCK_FRAMES = 10
 """The same where the windows of a batch have fewer than `FEW_FRAMES` together: the rows of ŵ, which

@@ -22,20 +22,20 @@ import weakref
 import numpy as np
 
 MAX_UNPACKED = 1_000_000
-"""A product of at most so many multiplications is not packed: a constant of OpenBLAS's kernel for
+"""A product of at most this many multiplications is not packed: a constant of OpenBLAS's kernel for
 SkylakeX (`sgemm_small_matrix_permit`)."""
 
 MAX_UNPACKED_TRANSPOSED = 1200
-"""A product with a transposed second factor is not packed if its result has at most so many
+"""A product with a transposed second factor is not packed if its result has at most this many
 elements: a constant of the same kernel."""
 
 ROWS = 24
-"""A piece has at most so many rows. OpenBLAS's kernels compute 4, 6 or 8 rows at a time, and a
+"""A piece has at most this many rows. OpenBLAS's kernels compute 4, 6 or 8 rows at a time, and a
 piece of another height is up to twice as slow. Measured on the kernel for SkylakeX alone."""
 
 COLUMNS = 512
-"""A piece has at most so many columns; wider pieces leave the first level of the cache. Measured on
-one machine."""
+"""A piece has at most this many columns; wider pieces leave the first level of the cache. Measured
+on one machine."""
 
 CACHE_LINE_BYTES = 64
 """Every array starts at a multiple of this address."""

@@ -28,9 +28,9 @@ from numpy_cae.fast.thread_team import ThreadTeam, share, thread_team
 from numpy_cae.models.conv_layer import ConvLayer
 
 DIRECT_FRAMES = {"training": 120, "encoding": 50}
-"""One window of at most so many frames for each thread of BLAS is convolved as defined: the spectra
-of the filters would take longer than the products that they save. Measured on one machine, where
-twice as many frames take about the same time."""
+"""One window of at most this many frames for each thread of BLAS is convolved as defined: the
+spectra of the filters would take longer than the products that they save. Measured on one machine,
+where twice as many frames take about the same time."""
 
 Layers = Sequence[ConvLayer]
 

@@ -40,7 +40,7 @@ LATENT = 8
 BURN_IN = 5
 """Steps of the decoder before the first frame."""
 MOST_MEASURED = 20
-"""The error while a network learns is that of at most so many test takes."""
+"""The error while a network learns is that of at most this many test takes."""
 CLIP_STEP = 5
 """The mean and deviation are computed from clips that start this many frames apart, or
 further apart where there would be more than `MOST_CLIPS` of them."""

@@ -243,7 +243,7 @@ def _decode_layers(
 
 
 SMALLEST_BOUND = 1e-6
-"""The bound of arctanh is at least so far from 0, where nothing is decoded, and from 1, where
+"""The bound of arctanh is at least this far from 0, where nothing is decoded, and from 1, where
 arctanh is infinite in float32. A model file with another bound is refused."""
 
 

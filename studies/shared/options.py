@@ -145,7 +145,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
 }
 """Option to the arguments of `add_argument`."""
 LISTED = 5
-"""At most so many patterns of test takes are printed."""
+"""At most this many patterns of test takes are printed."""
 
 
 def add_options(parser: argparse.ArgumentParser, runs: Iterable[Callable]) -> None:

@@ -80,7 +80,7 @@ class VisibleStream:
 
 
 def wrap_line(line: str, columns: int) -> str:
-    """A line in lines of at most so many columns, the later ones indented; rows of tables as they
+    """A line in lines of at most this many columns, the later ones indented; rows of tables as they
     are."""
     if len(line) <= columns or line.startswith("|"):
         return line

@@ -16,8 +16,8 @@ from numpy_cae.verify.grading.student_file import FileReport
 from numpy_cae.visible import visible
 
 LONGEST_NAME = 50
-"""A file of feedback has so many characters of the student's name; a character may take four
-bytes, and systems allow 255 in a name."""
+"""A file of feedback has at most this many characters of the student's name; a character may take
+four bytes, and systems allow 255 in a name."""
 MOODLE_PREFIX = "_assignsubmission_"
 INDENT = " " * 4
 """What makes a block of code in Markdown, whose text does nothing else."""

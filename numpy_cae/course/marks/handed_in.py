@@ -25,9 +25,9 @@ has handed in nothing that can be graded; in a download of Moodle or Canvas, a f
 MINE = "mine.py"
 """The file of all solved functions, which lies beside the notebooks and belongs to no lesson."""
 MOST_FILES = 2000
-"""A zip file may hold so many files."""
+"""A zip file may hold at most this many files."""
 MOST_BYTES = 2**28
-"""The files of a zip file may have so many bytes together, unpacked."""
+"""The files of a zip file may have at most this many bytes together, unpacked."""
 DEEPEST = 2
 """A zip file in a zip file is opened, and none in that."""
 UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}

@@ -13,7 +13,8 @@ FULL_NAME = "name"
 NUMBER = "number in"
 """What stands before a column in which a number is a part of a cell."""
 MOST_NAMESAKES = 4
-"""What so many rows share is perhaps a name; what more share is something else, such as a group."""
+"""What at most this many rows share is perhaps a name; what more share is something else, such as a
+group."""
 WHOLE_NUMBER = re.compile(r"(?<![\d.,])\d+(?![.,]?\d)")
 """A number in a cell, such as 1327603 of Teilnehmer/in1327603; none is a part of 12.50."""
 

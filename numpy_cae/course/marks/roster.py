@@ -32,7 +32,7 @@ OF_CANVAS = "SIS Login ID"
 """A column that only Canvas has. There a row without an ID is about no student."""
 POSSIBLE = "Points Possible"
 LARGEST_TABLE = 2**26
-"""A table may have at most so many bytes."""
+"""A table may have at most this many bytes."""
 BYTE_ORDER_MARKS = {
     "utf-32": (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE),
     "utf-8-sig": (codecs.BOM_UTF8,),

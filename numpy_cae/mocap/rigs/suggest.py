@@ -18,7 +18,7 @@ from numpy_cae.motion.joints import SIDES
 _MAX_JOINTS = 1000
 """Nothing is suggested for a skeleton with more joints."""
 _MAX_PAIRS = 50
-"""At most so many pairs of limbs, the longest, are compared."""
+"""At most this many pairs of limbs, the longest, are compared."""
 _TINY_SHARE = 0.1
 """A limb is longer than this part of the longest path from the root to a tip."""
 _SAME_SHARE = 0.15

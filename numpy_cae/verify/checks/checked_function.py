@@ -34,7 +34,7 @@ OVERWRITTEN = "the gradient that was returned first is overwritten by the second
 REPEATED_ROUNDINGS = 1000
 """Repeated results may differ by so many roundings of the largest of them."""
 NUMBER_DIGITS = 10
-"""The two numbers of a repeated result have at least so many digits."""
+"""The two numbers of a repeated result have at least this many digits."""
 TERM_ROUNDINGS = 16
 """Repeated results may also differ by so many roundings of the largest number they are made of."""
 

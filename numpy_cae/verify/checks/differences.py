@@ -38,15 +38,15 @@ LEVEL = 0.1
 SCATTER_MARGIN = 4
 """A number is wrong only if it is off by so many times the scatter of the slopes."""
 ROUNDING_MARGIN = 32
-"""Rounding is taken to be at most so many times that of the outputs."""
+"""Rounding is taken to be at most this many times that of the outputs."""
 CURVED = 4
 """At so many times the step, a corner's jump has not doubled, but that of a curve has."""
 RATE_MARGIN = 0.1
 """A remainder decides if the power with which it falls is so near to 1 or to 2."""
 ABOVE_NOISE = 4
-"""The remainder counts where it is at least so many times as large as rounding."""
+"""The remainder counts where it is at least this many times as large as rounding."""
 CONCLUSIVE = 16
-"""A slope is conclusive if its rounding is at most so many times the first step, relatively."""
+"""A slope is conclusive if its rounding is at most this many times the first step, relatively."""
 SINGLE = float(np.finfo(np.float32).eps)
 SINGLE_TOLERANCE = 1e-4
 """The relative tolerance is at least this where f computes in float32."""

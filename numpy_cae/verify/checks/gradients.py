@@ -33,7 +33,7 @@ from numpy_cae.verify.checks.messages import WORTH_PRINTING, as_text, texts_that
 from numpy_cae.verify.checks.mismatch import KINK, SLOPE, UNDECIDED, Mismatch, require_shape
 
 EVERY_ENTRY_UP_TO = 100
-"""Arrays of at most so many entries are checked entry by entry."""
+"""Arrays of at most this many entries are checked entry by entry."""
 DIRECTIONS = 4
 """A larger array is checked along so many random directions for each size of entry."""
 EQUAL_ENTRIES = (1.7, 2.9)
@@ -43,7 +43,7 @@ KINKS_EXCUSED = 0.05
 WORDS_OF_FURTHER_PROBLEMS = 60
 """Of a second and further wrong gradient so many words are printed."""
 NUMBER_DIGITS = 10
-"""The two numbers of a wrong slope have at least so many digits."""
+"""The two numbers of a wrong slope have at least this many digits."""
 
 Judged = tuple[np.ndarray, Verdict]
 """A direction and the verdict on it."""

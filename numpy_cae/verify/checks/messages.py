@@ -11,11 +11,11 @@ import numpy as np
 
 STANDARD_LIBRARY = Path(os.__file__).parent
 LONGEST_TEXT = 2000
-"""A message has at most so many characters."""
+"""A message has at most this many characters."""
 WORTH_PRINTING = 32
-"""Arrays of at most so many entries are printed in a counterexample."""
+"""Arrays of at most this many entries are printed in a counterexample."""
 LONGEST_ARGUMENTS = 600
-"""Arguments of at most so many characters are printed in a counterexample."""
+"""Arguments of at most this many characters are printed in a counterexample."""
 MOST_DIGITS = 17
 """So many digits tell any two numbers of float64 from each other."""
 

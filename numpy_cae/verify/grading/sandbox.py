@@ -34,12 +34,12 @@ except ImportError:  # Windows, where a process has no such limits
     resource = None  # type: ignore[assignment]
 
 MOST_WRITTEN = 2**26
-"""All files of a process together may have at most so many bytes."""
+"""All files of a process together may have at most this many bytes."""
 LEAST_FILE = 2**12
-"""A file counts as at least so many bytes, an empty one too."""
+"""A file counts as at least this many bytes, an empty one too."""
 CRASHED = "its process ended: it crashed, was killed for its memory, or ended itself"
 LARGEST_WRITTEN_FILE = 2**24
-"""A process may write at most so many bytes to one file."""
+"""A process may write at most this many bytes to one file."""
 OPEN_FILES = 64
 """A process may have so many files open: removed ones take space that is not seen."""
 PR_SET_PDEATHSIG = 1

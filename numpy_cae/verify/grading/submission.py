@@ -20,9 +20,9 @@ SUFFIXES = (".py", ".ipynb")
 COPY = re.compile(r"(-Copy\d+|-\d+| ?\(\d+\))+$")
 """What Jupyter, Canvas and browsers add to the name of a file that exists."""
 LARGEST_PROGRAM = 2**20
-"""A Python file may have at most so many bytes."""
+"""A Python file may have at most this many bytes."""
 LARGEST_NOTEBOOK = 2**25
-"""A notebook, with its pictures, may have at most so many bytes."""
+"""A notebook, with its pictures, may have at most this many bytes."""
 MAGIC = re.compile(r"^[%!].*$|^get_ipython\(\)\..*$", re.MULTILINE)
 """Jupyter's own commands, in a notebook and in a script that Jupyter has made of it."""
 CELL_MAGIC = re.compile(r"^get_ipython\(\)\.run_cell_magic\(.*\)$", re.MULTILINE)

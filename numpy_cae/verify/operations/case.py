@@ -21,7 +21,7 @@ SEEDS_TRIED = 3
 LARGE = 16
 """A size above this occurs in one case of a property only, together with small sizes."""
 SEVERAL_TAPS = 5
-"""At least so many taps are several."""
+"""At least this many taps are several."""
 VERY_LARGE = 100
 """A size above this gets a case of its own, in which all other sizes are small."""
 

@@ -33,7 +33,7 @@ SINGLE_EXACT = 1e-3
 BOUND_ROUNDINGS = 8
 """1 - y² of arctanh near its bound may be off by so many roundings of 1."""
 NUMBER_DIGITS = 10
-"""The two numbers of a mismatch have at least so many digits."""
+"""The two numbers of a mismatch have at least this many digits."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ from numpy_cae.verify.operations.shared_properties import state_property
 from numpy_cae.verify.operations.upstream import UPSTREAM
 
 SEVERAL = 2
-"""A mistake is named only if the right operation differs in at least so many cases."""
+"""A mistake is named only if the right operation differs in at least this many cases."""
 GENERAL_CASES = 8
 """Two mistakes that explain the same are compared in so many further cases."""
 LOST_DIGITS = 1e-5
@@ -35,7 +35,7 @@ LOST_DIGITS = 1e-5
 MOST = 0.6
 """A circumstance is named if at least so large a part of its cases fail, and no others."""
 ROUNDING = 1e-11
-"""Results are equal if they differ by at most so much of the largest of them."""
+"""Results are equal if they differ by at most this much of the largest of them."""
 CLOSE = 1e-9
 """Entries of float64 are equal if they differ by at most this part."""
 CLOSE_IN_SINGLE = 1e-4

@@ -10,7 +10,7 @@ from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.shapes import Arguments
 
 EXAMPLES = 24
-"""A property that does not set `examples` is tried on at least so many cases."""
+"""A property that does not set `examples` is tried on at least this many cases."""
 VALUE = 0
 """The group of properties about the value, whose points come first in a report."""
 GRADIENT = 1
