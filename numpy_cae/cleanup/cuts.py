@@ -138,8 +138,10 @@ def is_drop(
     """
     if frames > LONGEST_DROP_SECONDS * rate + 1:
         return False
-    sizes = [np.linalg.norm(x, axis=-1).mean() for x in (jump, speed_before, speed_after)]
-    return bool(sizes[0] <= DROP_RATIO * frames * min(sizes[1:]))
+    size, *speeds = [np.linalg.norm(x, axis=-1).mean() for x in (jump, speed_before, speed_after)]
+    # Where frames are dropped twice in a row, the pose after the jump stands still again.
+    moving = [speed for speed in speeds if speed > STILL_METRES]
+    return bool(moving and size <= DROP_RATIO * frames * min(moving))
 
 
 def _drop_other_poses(view: View, cuts: list[int]) -> list[int]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.cleanup.finding import Finding
-from numpy_cae.cleanup.kinds import REPEATED
+from numpy_cae.cleanup.kinds import LIMB_TURNED, REPEATED, TURNED
 from numpy_cae.cleanup.measures import is_larger, measure_view
 from numpy_cae.cleanup.view import SHARP, View
 from numpy_cae.motion.contacts import foot_speeds, lower_foot
@@ -104,7 +104,7 @@ def has_worse_figures(before: View, after: View, findings: Sequence[Finding]) ->
     """Whether a figure of a whole motion (`measures.Measures`) is worse after findings are mended.
 
     Feet that slide more count by the thresholds above, and only those that stood before: a leg that
-    is turned stands nowhere, and a body whose pose was repeated did not slide. Neither they nor
+    was turned stood nowhere, and a body whose pose was repeated did not slide. Neither they nor
     jitter count in a motion that jumps all the time, whose feet hardly stand, if it jumps less.
     """
     figures = measure_view(before)
@@ -114,14 +114,14 @@ def has_worse_figures(before: View, after: View, findings: Sequence[Finding]) ->
     if figures.jumps > JUMPY_SHARE * len(before) and figures_after.jumps < figures.jumps:
         return False
     sliding, sliding_after = standing_speeds(before, after)
-    is_still = np.zeros(len(before), bool)
+    stood = np.ones(len(before), bool)
     for finding in findings:
-        if finding.row is REPEATED:
-            is_still[finding.stretch] = True
-    sliding = sliding[~is_still]
+        if finding.row in (REPEATED, LIMB_TURNED, TURNED):
+            stood[finding.stretch] = False
+    sliding = sliding[stood]
     standing = max(np.count_nonzero(sliding), 1)
     speed = float(sliding.sum() / standing)
-    speed_after = float(sliding_after[~is_still].sum() / standing)
+    speed_after = float(sliding_after[stood].sum() / standing)
     more = max(MORE_SLIDING_SHARE * speed, MORE_SLIDING_CENTIMETRES)
     return speed_after - speed > more or is_larger(figures.jitter, figures_after.jitter)
 

@@ -210,3 +210,8 @@ def test_a_stance_ends_where_a_foot_changes_its_place():
     motion.translations[:, 0, 2] += 0.05 * np.arange(len(motion)) / 60.0  # it slides, besides
     for finding in find_feet(View(motion)):
         assert finding.frames[1] - finding.frames[0] < 2.6 * 60
+
+
+def test_frames_that_are_dropped_twice_in_a_row_are_no_cut():
+    motion = clip("run")
+    assert find_cuts(View(motion.at(np.r_[:40, [39] * 8, [48] * 6, 54:90]))) == []
