@@ -133,3 +133,17 @@ def test_another_shape_is_no_loss_of_digits():
 
     text = str(report("linear", linear_of_rows))
     assert "has shape" in text and "Digits are lost" not in text
+
+
+def test_what_fails_once_only_is_called_unsteady_with_its_first_error():
+    calls = []
+
+    def overflows_once(x):
+        calls.append(x)
+        if len(calls) == 1:
+            raise RuntimeWarning("overflow encountered in matmul")
+        return ops.tanh(x)
+
+    outcome = try_property(find_exercise("tanh").properties[0], overflows_once)
+    assert not outcome.held and "it returns something else; at first: " in outcome.problem
+    assert "RuntimeWarning: overflow encountered in matmul" in outcome.problem
