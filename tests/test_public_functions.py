@@ -328,3 +328,12 @@ def test_motions_show_themselves_in_a_notebook(take, monkeypatch):
     assert data["text/html"].startswith("<pre>left_wrist: frames")
     assert "before, after" in data["text/html"] and "confidence" in data["text/html"]
     assert data["text/plain"] == str(repaired)
+
+
+def test_a_page_does_not_replace_the_motion_that_it_shows(tmp_path):
+    path = tmp_path / "walk.bvh"
+    numpy_cae.save(make_take("walk", 0, seconds=1.0, rate=30.0).motion, path)
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match="is a motion to show"):
+        numpy_cae.show(path, path=path)
+    assert path.read_bytes() == before

@@ -5,6 +5,7 @@ expected, the path of a model file. Everything can be done with more options in 
 `numpy_cae.manifold`, `numpy_cae.cleanup` and `numpy_cae.viz`.
 """
 
+import os
 import tempfile
 import webbrowser
 from collections.abc import Iterable, Sequence
@@ -257,6 +258,10 @@ def show(
     """
     if not motions:
         raise ValueError("motions: there is none to show, expected at least one")
+    for motion in motions:
+        if path is not None and not isinstance(motion, Motion):
+            if os.path.realpath(path) == os.path.realpath(motion):
+                raise ValueError(f"path is {path}, which is a motion to show; name a page, .html")
     loaded = [to_motion(motion, "motions") for motion in motions]
     entries = to_findings(findings, loaded[0])
     is_compared = bool(entries) or _are_of_one_file(loaded)
