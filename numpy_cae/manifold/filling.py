@@ -117,7 +117,11 @@ def complete_from_curves(
 HOLE_KINDS = ("", "end", "arm", "leg", "pose")
 """Kinds of holes, by the number that `classify_holes` gives them. "": not missing; "end": the end
 of a limb alone, such as a wrist whose elbow is known; "arm", "leg": a joint of a limb; "pose": a
-joint of the trunk, and any joint of a hole in which the hips are missing."""
+joint of the trunk, and any joint of a hole in which the body's place or heading is not visible: the
+hips are missing, or a joint of both pairs of hips and shoulders."""
+_PAIRS = [
+    [JOINTS.index(f"{side}_{joint}") for side in ("left", "right")] for joint in ("hip", "shoulder")
+]
 
 
 def classify_holes(missing: np.ndarray) -> np.ndarray:
@@ -129,8 +133,10 @@ def classify_holes(missing: np.ndarray) -> np.ndarray:
     kinds[:, _LEGS] = leg
     with_parent = runs_with(missing, missing[:, [0, *PARENTS[1:]]])
     kinds[:, _ENDS] = np.where(with_parent, kinds, end)[:, _ENDS]
-    with_hips = runs_with(missing, np.repeat(missing[:, :1], len(JOINTS), axis=1))
-    kinds[with_hips] = pose
+    no_heading = missing[:, _PAIRS[0]].any(axis=1) & missing[:, _PAIRS[1]].any(axis=1)
+    no_frame = np.asarray(missing[:, 0] | no_heading)
+    without_frame = runs_with(missing, np.repeat(no_frame[:, None], len(JOINTS), axis=1))
+    kinds[without_frame] = pose
     kinds[~missing] = 0
     return kinds
 

@@ -18,7 +18,7 @@ from numpy_cae.cleanup.holes import (
 )
 from numpy_cae.cleanup.interpolation import interpolate_joints, mark_unknown_channels
 from numpy_cae.cleanup.regression import regress_positions
-from numpy_cae.manifold.filling import complete_from_curves
+from numpy_cae.manifold.filling import HOLE_KINDS, classify_holes, complete_from_curves
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import JOINTS
 from numpy_cae.motion.hole_curves import (
@@ -127,3 +127,10 @@ def test_arms_are_predicted_by_the_visible_joints_and_poses_by_the_network(walk_
     of_pose = correct_features(walk_manifold, features, pose)
     by_network = complete_from_curves(walk_manifold, features, pose, np.ones(pose.shape))
     np.testing.assert_array_equal(of_pose, by_network)
+
+
+def test_limbs_without_a_visible_heading_are_holes_of_the_pose():
+    all_but_hips = joint_mask(10, JOINTS[1:], slice(3, 7))
+    arm = joint_mask(10, ["left_elbow", "left_wrist"], slice(3, 7))
+    assert set(np.unique(classify_holes(all_but_hips))) == {0, HOLE_KINDS.index("pose")}
+    assert set(np.unique(classify_holes(arm))) == {0, HOLE_KINDS.index("arm")}
