@@ -17,7 +17,8 @@ from itertools import combinations
 import numpy as np
 
 from numpy_cae.cleanup.channels import STILL_METRES
-from numpy_cae.cleanup.view import View
+from numpy_cae.cleanup.judging import JUMPY_SHARE
+from numpy_cae.cleanup.view import SHARP, View
 
 CUT_TO_NEIGHBOURS_RATIO = 2.0
 """At a cut the step of a channel is longer than this times the steps before and after it."""
@@ -161,7 +162,9 @@ def _drop_other_poses(view: View, cuts: list[int]) -> list[int]:
 def _drop_noise(view: View, cuts: list[int]) -> list[int]:
     """The cuts between which clips last, without those next to which one does not; none if the
     motion jumps all the time."""
-    if len(view) < MEAN_CLIP_SECONDS * view.rate * (len(cuts) + 1):
+    sharp_frames = np.count_nonzero((view.jumps == SHARP).any(axis=1)) if cuts else 0
+    is_jumpy = sharp_frames > JUMPY_SHARE * len(view)
+    if is_jumpy or len(view) < MEAN_CLIP_SECONDS * view.rate * (len(cuts) + 1):
         return []
     shortest = SHORTEST_CLIP_SECONDS * view.rate
     ends = [0, *cuts, len(view)]
