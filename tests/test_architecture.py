@@ -155,3 +155,12 @@ def test_the_wheel_has_every_data_file():
     data = {path for path in PACKAGE.rglob("*.*") if path.suffix in {".json", ".toml", ".txt"}}
     data |= {path for path in PACKAGE.rglob("*.*") if path.suffix in {".npz", ".ipynb", ".js"}}
     assert sorted(data - named) == []
+
+
+def test_no_licence_takes_the_place_of_another_in_the_wheel():
+    """Files of one name are one file in the folder of the metadata."""
+    setup = ConfigParser()
+    setup.read(ROOT / "setup.cfg", encoding="utf-8")
+    paths = setup["metadata"]["license_files"].split()
+    assert all((ROOT / path).is_file() for path in paths)
+    assert len({Path(path).name for path in paths}) == len(paths) == 2
