@@ -8,17 +8,23 @@ import os
 import sys
 
 from numpy_cae.course import catalogue  # noqa: F401 (the forks have it)
-from numpy_cae.verify.grading.sandbox import reply_to, run_in_fork
-
-SECONDS = 1000.0
+from numpy_cae.verify.grading.sandbox import reply_to
 
 
 def main():
     for line in sys.stdin:
         folder, request = json.loads(line)
-        os.chdir(folder)
-        reply = run_in_fork(lambda send, request=request: send(**reply_to(request)), SECONDS)
-        print(json.dumps(reply), flush=True)
+        reader, writer = os.pipe()
+        process = os.fork()
+        if process == 0:
+            os.chdir(folder)
+            with open(writer, "w") as answer:
+                answer.write(json.dumps(reply_to(request)))
+            os._exit(0)
+        os.close(writer)
+        with open(reader) as answer:
+            print(answer.read(), flush=True)
+        os.waitpid(process, 0)
 
 
 if __name__ == "__main__":

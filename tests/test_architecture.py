@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "numpy_cae"
 
 LAYERS = [
-    *({"ops"}, {"models"}, {"training"}, {"motion"}, {"fast", "verify"}, {"manifold"}),
+    *({"ops"}, {"models"}, {"training"}, {"motion", "confined"}, {"fast", "verify"}, {"manifold"}),
     *({"viz", "mocap"}, {"cleanup"}, {"evaluation"}, {"course", "download"}),
     {"public", "notebook", "pytest_plugin"},
     *({"cli"}, {"__main__"}, {"__init__"}),

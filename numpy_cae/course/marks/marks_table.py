@@ -296,6 +296,8 @@ def _problems(
         return
     for file in files:
         yield from file.faults
+        if file.ungraded:
+            yield f"{file.path.name} is NOT GRADED, {file.ungraded}: grade it again"
         for name in file.copied:
             yield f"the cell of {name} is there twice"
         if file.reports and not file.points and not file.faults:

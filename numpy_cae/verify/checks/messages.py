@@ -64,8 +64,9 @@ def describe(thing: object) -> str:
 
 def file_of(function: Callable) -> str:
     """The file in which a function is written, or "" where this is unknown."""
-    code = getattr(inspect.unwrap(function), "__code__", None)
-    return getattr(code, "co_filename", "")
+    function = inspect.unwrap(function)
+    code = getattr(function, "__code__", None)
+    return getattr(function, "remote_file", getattr(code, "co_filename", ""))
 
 
 def error_text(error: BaseException, file: str = "", is_file_named: bool = False) -> str:
@@ -81,15 +82,28 @@ def error_text(error: BaseException, file: str = "", is_file_named: bool = False
         text = "it calls sys.exit"
     if not file:
         return text
-    frames = traceback.extract_tb(error.__traceback__)
-    own_frames = [f for f in frames if f.filename == file or not _is_library(f.filename)]
+    own_frames = []
+    for filename, line in frames_of(error):
+        if filename == file or not _is_library(filename):
+            own_frames.append((filename, line))
     if not own_frames:
         return text
-    last = own_frames[-1]
-    name = f"{Path(last.filename).name}, "
-    if last.filename == file and not is_file_named:
+    filename, line = own_frames[-1]
+    name = f"{Path(filename).name}, "
+    if filename == file and not is_file_named:
         name = ""
-    return f"{text} ({name}line {last.lineno})"
+    return f"{text} ({name}line {line})"
+
+
+def frames_of(error: BaseException) -> list[tuple[str, int]]:
+    """The files and lines of an error's traceback, in the process where it was raised."""
+    remote_frames = getattr(error, "remote_frames", None)
+    if remote_frames is not None:
+        return list(remote_frames)
+    frames = []
+    for frame, line in traceback.walk_tb(error.__traceback__):
+        frames.append((frame.f_code.co_filename, line))
+    return frames
 
 
 def _is_library(file: str) -> bool:

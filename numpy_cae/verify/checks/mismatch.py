@@ -1,12 +1,12 @@
 """`Mismatch`: what a check raises where a result is not as expected, for people and programs."""
 
-import traceback
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from numpy_cae.verify.checks.leaves import is_float
+from numpy_cae.verify.checks.messages import frames_of
 
 NUMBER = "number"
 SHAPE = "shape"
@@ -73,8 +73,8 @@ def kind_and_subject(error: BaseException) -> tuple[str, str]:
     if isinstance(error, Mismatch):
         return error.kind, error.subject
     place = ""
-    if type(error) is AssertionError:
-        frames = traceback.extract_tb(error.__traceback__)
+    if type(error).__name__ == "AssertionError":
+        frames = frames_of(error)
         if frames:
-            place = f"line {frames[-1].lineno}"
+            place = f"line {frames[-1][1]}"
     return type(error).__name__, place

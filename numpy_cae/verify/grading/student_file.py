@@ -11,9 +11,12 @@ import subprocess
 import sys
 import tempfile
 import textwrap
+import time
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from threading import Thread
 from types import ModuleType
 from typing import Any
 
@@ -31,9 +34,13 @@ STARTUP_SECONDS = 30.0
 BUSY = 10
 """The grader itself is ended after so many times the limits of all functions.
 
-The limits that decide on marks do not count the time in which a process waits for a processor. This
-one is for a grader that a student's file has stopped.
+The limits that decide on marks do not count the time in which a process waits for a processor.
 """
+SILENT_SECONDS = 60.0
+"""A grader that says nothing for so long (s) was stopped, and is ended. It says that it runs once a
+second; a machine with sixty processes a processor is not silent for longer."""
+LOOK_SECONDS = 2.0
+"""So often it is looked whether a grader says something."""
 PREFIX = "numpy_cae_grading_"
 PROJECT = str(Path(__file__).parents[3])
 PASSED_ON = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
@@ -58,7 +65,8 @@ Reply = dict[str, Any]
 class FileReport:
     """The reports on a file's functions, what is wrong with the file as a whole, and notes.
 
-    A note costs no points, such as that the cell of an exercise was copied.
+    A note costs no points, such as that the cell of an exercise was copied. `ungraded` says why the
+    file could not be graded, for no fault of its own: then it has no marks, and no points.
     """
 
     path: Path
@@ -66,10 +74,11 @@ class FileReport:
     faults: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     copied: tuple[str, ...] = ()
+    ungraded: str = ""
 
     @property
     def held(self) -> bool:
-        return not self.faults and all(report.held for report in self.reports)
+        return not self.faults and not self.ungraded and all(report.held for report in self.reports)
 
     @property
     def points(self) -> int:
@@ -81,6 +90,8 @@ class FileReport:
 
     def __str__(self) -> str:
         name = make_readable(str(self.path))
+        if self.ungraded:
+            return f"{name}: NOT GRADED, {self.ungraded}. Grade it again."
         notes = [f"The file fails: {fault}" for fault in self.faults]
         notes += [f"Note: {note}" for note in self.notes]
         verdict = "every property held" if self.held else "FAILED"
@@ -175,6 +186,8 @@ def _report_on(
 
     Those that are assigned count in any case.
     """
+    if "ungraded" in reply:
+        return FileReport(submission.path, ungraded=make_readable(reply["ungraded"]))
     problems = reply.get("problems", [])
     fault = reply["failed"]
     if not fault and problems and not submission.is_notebook:
@@ -229,29 +242,79 @@ def _is_helper(report: Report, submission: Submission) -> bool:
 
 
 def run(request: dict[str, Any]) -> Reply:
-    """The reply of `sandbox.main` to a request, or {"failed": why}."""
+    """The reply of `sandbox.main` to a request; `ungraded` says why there is none."""
+    try:
+        with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as folder:
+            os.chmod(folder, 0o711)  # another user may have a folder in it
+            text, problem = _answer_of_process(json.dumps(request), folder, _timeout(request))
+    except OSError as error:
+        return {"failed": "", "ungraded": f"its grader could not start: {error}"}
+    if not problem:
+        with suppress(ValueError):
+            return json.loads(text)
+        problem = "its grader ended without a reply: was it killed?"
+    return {"failed": "", "ungraded": problem}
+
+
+def _timeout(request: Reply) -> float:
+    """The seconds after which a grader is ended, whatever it does."""
+    return BUSY * (2 * request["seconds"] * len(request["requested"]) + STARTUP_SECONDS)
+
+
+def _answer_of_process(request: str, folder: str, timeout: float) -> tuple[str, str]:
+    """The last line that the grader's process writes, and why it was ended, or ""."""
     environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ} | ONE_THREAD
     environment["PYTHONPATH"] = os.pathsep.join([PROJECT, os.environ.get("PYTHONPATH", "")])
-    processes = len(request["requested"]) + 1
-    timeout = BUSY * (2 * request["seconds"] * processes + STARTUP_SECONDS)
-    with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as folder:
-        environment["TMPDIR"] = folder
-        command = CHILD
-        if has_bubblewrap():
-            command = [*BUBBLEWRAP, "--bind", folder, folder, *CHILD]
-        try:
-            ended = subprocess.run(
-                command,
-                input=json.dumps(request).encode(),
-                capture_output=True,
-                cwd=folder,
-                env=environment,
-                start_new_session=True,
-                timeout=timeout,
-            )
-            return json.loads(ended.stdout)
-        except (subprocess.TimeoutExpired, ValueError):
-            return {"failed": "its grading ended without a reply"}
+    environment["TMPDIR"] = folder
+    command = CHILD
+    if has_bubblewrap():
+        command = [*BUBBLEWRAP, "--bind", folder, folder, *CHILD]
+    lines: list[str] = [""]
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        cwd=folder,
+        env=environment,
+        start_new_session=True,
+        text=True,
+    ) as process:
+
+        def exchange() -> None:
+            assert process.stdin is not None and process.stdout is not None
+            with suppress(OSError):  # it has ended
+                process.stdin.write(request)
+                process.stdin.close()
+            for line in process.stdout:
+                lines.append(line)
+
+        exchanging = Thread(target=exchange, daemon=True)
+        exchanging.start()
+        problem = _wait(exchanging, lines, timeout)
+        if problem:
+            process.kill()
+        exchanging.join()
+    return lines[-1], problem
+
+
+def _wait(exchanging: Thread, lines: list[str], timeout: float) -> str:
+    """Wait for the end of an exchange; why the process has to be ended before, or "".
+
+    The grader writes a line each second. If it does not while this process is awake for so many
+    looks, somebody has stopped it.
+    """
+    begun = time.monotonic()
+    silent_looks = 0
+    while exchanging.is_alive():
+        count = len(lines)
+        exchanging.join(LOOK_SECONDS)
+        silent_looks = 0 if len(lines) > count else silent_looks + 1
+        if silent_looks * LOOK_SECONDS > SILENT_SECONDS:
+            return f"its grader did nothing for {SILENT_SECONDS:g} s: was it stopped?"
+        if time.monotonic() - begun > timeout:
+            return f"its grading took more than {timeout:.0f} s"
+    return ""
 
 
 @functools.cache

@@ -3,17 +3,11 @@
 import ast
 import json
 import re
-import sys
-from collections.abc import Callable, Collection, Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import Any
-from warnings import catch_warnings
-
-import numpy as np
-
-from numpy_cae.verify.checks.messages import error_text
 
 SUFFIXES = (".py", ".ipynb")
 """What files that are graded end with."""
@@ -31,7 +25,6 @@ EXPORTED_CELL = re.compile(r"^# (?:In ?\[[ \d]*\]:|%%.*)$", re.MULTILINE)
 """What stands above each cell in a script that Jupyter or VS Code has made of a notebook."""
 CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
 STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
-Functions = Mapping[str, Callable]
 DEFINITION = re.compile(r"^def (\w+)\(", re.MULTILINE)
 
 
@@ -77,40 +70,6 @@ class Submission:
         for _, source in self.cells:
             texts.append(source if isinstance(source, str) else source.decode("latin-1"))
         return "\n".join(texts)
-
-    def run(
-        self, provided: Functions, replacements: Functions
-    ) -> tuple[dict[str, Callable], list[str]]:
-        """Run it as a module; return the functions that it defines, and what went wrong.
-
-        The parts may use the provided functions and, in a notebook, `np`. After the parts have
-        run, the replacements take the place of the functions of the same names.
-        """
-        module = ModuleType("student")
-        earlier_lessons = ModuleType("mine")
-        vars(earlier_lessons).update(provided)
-        sys.modules.update(student=module, mine=earlier_lessons)
-        sys.path.append(str(self.path.parent))
-        names = vars(module)
-        names["__file__"] = str(self.path)
-        names["__builtins__"] = vars(sys.modules["builtins"])
-        names.update(provided)
-        if self.is_notebook:
-            names["np"] = sys.modules["numpy"]
-        problems = []
-        for name, source in self.cells:
-            try:
-                with np.errstate(), catch_warnings():
-                    exec(compile(source, name, "exec"), names)
-            except BaseException as error:  # such as SystemExit
-                part = name if self.is_notebook else "at import"
-                problems.append(f"{part}: {error_text(error, name)}")
-        functions = {}
-        for name, defined in list(names.items()):
-            if callable(defined) and defined is not provided.get(name):
-                functions[name] = defined
-        names.update(replacements)
-        return functions, problems
 
 
 def lesson_of_name(stem: str, lessons: Collection[str]) -> str:
@@ -183,7 +142,7 @@ def _read_notebook(path: Path, content: bytes) -> Submission:
         raise ValueError(f"it is not a Jupyter notebook: {error}") from None
     if not sources:
         raise ValueError("it has no exercise cell: is it a copy of a lesson?")
-    copied = tuple(sorted({name for name in marked if marked.count(name) > 1}))
+    copied = tuple(sorted(name for name, count in Counter(marked).items() if count > 1))
     return Submission(path, tuple(sources), frozenset(ids), copied)
 
 
@@ -200,20 +159,19 @@ def _answers(cells: list[dict[str, Any]], ids: Collection[str]) -> list[tuple[st
 
     A stub is replaced by each cell that defines the same function, whether it is marked or not.
     """
-    marked = [cell for cell in cells if is_exercise(cell)]
-    stubs = [cell for cell in marked if STUB.search(_source(cell))]
-    answered: set[str] = set()
-    for cell in marked:
-        if cell not in stubs:
-            answered |= _names_defined(_source(cell))
+    names = set(ids)
     code_cells = [cell for cell in cells if cell["cell_type"] == "code"]
+    answered: set[str] = set()
+    for cell in code_cells:
+        if is_exercise(cell) and not _is_stub(cell):
+            answered |= _names_defined(_source(cell))
     sources = []
     for number, cell in enumerate(code_cells, 1):
-        defined = _names_defined(_source(cell)) & set(ids)
+        defined = _names_defined(_source(cell)) & names
         is_answered = bool(defined & answered)
-        if cell in stubs and defined and defined <= answered:
+        if is_exercise(cell) and _is_stub(cell) and defined and defined <= answered:
             continue
-        if cell in marked or (defined and not is_answered):
+        if is_exercise(cell) or (defined and not is_answered):
             sources.append((f"cell {_id(cell) or number}", _source(cell)))
     return sources
 
@@ -222,6 +180,11 @@ def is_exercise(cell: dict[str, Any]) -> bool:
     """Whether a cell is one that a student fills."""
     marks = cell["metadata"].get("nbgrader", {})
     return cell["cell_type"] == "code" and bool(marks.get("solution"))
+
+
+def _is_stub(cell: dict[str, Any]) -> bool:
+    """Whether a cell has still the body with which a lesson begins."""
+    return bool(STUB.search(_source(cell)))
 
 
 def _names_defined(text: str) -> set[str]:

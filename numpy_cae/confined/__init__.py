@@ -1,0 +1,7 @@
+"""A process for code that nobody vouches for, such as a student's file.
+
+`confinement` limits what the process may do, by means of the system. `channel` lets two processes
+call functions of each other: only numbers, texts, arrays and references to functions go through
+it. `process` is the program that runs in the confined process. Nothing here imports the rest of
+numpy_cae, so that the confined process holds no solution of an exercise.
+"""

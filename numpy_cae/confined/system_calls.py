@@ -1,0 +1,152 @@
+"""The calls of the Linux kernel that a confined process may make, for `confinement`.
+
+What is not in this list is refused: to start a program or a process, to open a socket, to send
+another process a signal or change its limits, priority or memory, to make devices and pipes with a
+name, to change modes, owners, times and attributes of files, and whatever a later kernel adds.
+Landlock limits those that take paths.
+"""
+
+X86_64 = 0xC000003E
+"""What the kernel calls this architecture in a filter (AUDIT_ARCH_X86_64)."""
+AARCH64 = 0xC00000B7
+"""The same for 64-bit ARM (AUDIT_ARCH_AARCH64)."""
+ARCHITECTURES = {"x86_64": X86_64, "aarch64": AARCH64}
+"""The architectures for which there is a list, by the names that `platform.machine` has."""
+
+ALLOWED: dict[str, tuple[int | None, int | None]] = {
+    "read": (0, 63),
+    "write": (1, 64),
+    "futex": (202, 98),
+    "mmap": (9, 222),
+    "munmap": (11, 215),
+    "mprotect": (10, 226),
+    "madvise": (28, 233),
+    "brk": (12, 214),
+    "mremap": (25, 216),
+    "clock_gettime": (228, 113),
+    "close": (3, 57),
+    "openat": (257, 56),
+    "lseek": (8, 62),
+    "fstat": (5, 80),
+    "newfstatat": (262, 79),
+    "stat": (4, None),
+    "lstat": (6, None),
+    "statx": (332, 291),
+    "open": (2, None),
+    "access": (21, None),
+    "faccessat": (269, 48),
+    "faccessat2": (439, 439),
+    "readlink": (89, None),
+    "readlinkat": (267, 78),
+    "getdents": (78, None),
+    "getdents64": (217, 61),
+    "getcwd": (79, 17),
+    "chdir": (80, 49),
+    "fchdir": (81, 50),
+    "pread64": (17, 67),
+    "pwrite64": (18, 68),
+    "readv": (19, 65),
+    "writev": (20, 66),
+    "preadv": (295, 69),
+    "pwritev": (296, 70),
+    "dup": (32, 23),
+    "dup2": (33, None),
+    "dup3": (292, 24),
+    "fsync": (74, 82),
+    "fdatasync": (75, 83),
+    "ftruncate": (77, 46),
+    "fadvise64": (221, 223),
+    "sendfile": (40, 71),
+    "copy_file_range": (326, 285),
+    "statfs": (137, 43),
+    "fstatfs": (138, 44),
+    "pipe": (22, None),
+    "pipe2": (293, 59),
+    "poll": (7, None),
+    "ppoll": (271, 73),
+    "select": (23, None),
+    "pselect6": (270, 72),
+    "rename": (82, None),
+    "renameat": (264, 38),
+    "renameat2": (316, 276),
+    "mkdir": (83, None),
+    "mkdirat": (258, 34),
+    "rmdir": (84, None),
+    "unlink": (87, None),
+    "unlinkat": (263, 35),
+    "symlink": (88, None),
+    "symlinkat": (266, 36),
+    "link": (86, None),
+    "linkat": (265, 37),
+    "umask": (95, 166),
+    "flock": (73, 32),
+    "creat": (85, None),
+    "getpid": (39, 172),
+    "gettid": (186, 178),
+    "getppid": (110, 173),
+    "getuid": (102, 174),
+    "geteuid": (107, 175),
+    "getgid": (104, 176),
+    "getegid": (108, 177),
+    "getresuid": (118, 148),
+    "getresgid": (120, 150),
+    "getgroups": (115, 158),
+    "getpgrp": (111, None),
+    "getpgid": (121, 155),
+    "getsid": (124, 156),
+    "uname": (63, 160),
+    "sysinfo": (99, 179),
+    "times": (100, 153),
+    "getrusage": (98, 165),
+    "getrlimit": (97, 163),
+    "setrlimit": (160, 164),
+    "clock_getres": (229, 114),
+    "clock_nanosleep": (230, 115),
+    "nanosleep": (35, 101),
+    "gettimeofday": (96, 169),
+    "time": (201, None),
+    "getrandom": (318, 278),
+    "sched_yield": (24, 124),
+    "sched_getaffinity": (204, 123),
+    "getcpu": (309, 168),
+    "alarm": (37, None),
+    "setitimer": (38, 103),
+    "getitimer": (36, 102),
+    "pause": (34, None),
+    "rt_sigaction": (13, 134),
+    "rt_sigprocmask": (14, 135),
+    "rt_sigreturn": (15, 139),
+    "rt_sigsuspend": (130, 133),
+    "rt_sigpending": (127, 136),
+    "rt_sigtimedwait": (128, 137),
+    "sigaltstack": (131, 132),
+    "restart_syscall": (219, 128),
+    "set_robust_list": (273, 99),
+    "get_robust_list": (274, 100),
+    "rseq": (334, 293),
+    "set_tid_address": (218, 96),
+    "membarrier": (324, 283),
+    "wait4": (61, 260),
+    "exit": (60, 93),
+    "exit_group": (231, 94),
+}
+"""The numbers of the calls that are allowed on x86-64 and on 64-bit ARM, frequent ones first."""
+
+CONDITIONAL: dict[str, tuple[int | None, int | None]] = {
+    "fcntl": (72, 25),
+    "ioctl": (16, 29),
+    "clone": (56, 220),
+    "clone3": (435, 435),
+    "tgkill": (234, 131),
+    "prlimit64": (302, 261),
+}
+"""The numbers of those that are allowed with some arguments only."""
+
+CLONE_THREAD = 0x10000
+"""The flag of `clone` for a thread of the same process."""
+OWNERSHIP = (8, 10, 15, 1026)
+"""Commands of `fcntl` by which the kernel sends signals to another process (F_SETOWN, F_SETSIG,
+F_SETOWN_EX, F_NOTIFY)."""
+QUESTIONS = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)
+"""Requests of `ioctl` that Python and NumPy make of files (TCGETS, TIOCGWINSZ, FIONREAD, FIONBIO,
+FIONCLEX, FIOCLEX)."""
