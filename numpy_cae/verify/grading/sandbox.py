@@ -85,14 +85,11 @@ def _grade(request: dict[str, Any]) -> dict[str, Any]:
             return reply | {"failed": str(ended)}
         reply["problems"] = problems
         reply["defined"] = [name for name in rest if name in functions]
-        while rest and not results:
-            name = rest.pop(0)
-            if name in functions:
-                results[name] = _try_function(process, catalogue[name], functions[name])
-            if name in request["replaced"] and not _is_right(results.get(name)):
-                replaced.append(name)
+        name = rest[0]
+        if name in functions:
+            results[name] = _try_function(process, catalogue[name], functions[name])
     for name in rest:
-        if name in reply["defined"]:
+        if name in reply["defined"] and name not in results:
             with _started(request, catalogue, replaced, [name]) as process:
                 results[name] = _run_and_try(
                     process, submission, request, replaced, catalogue[name]

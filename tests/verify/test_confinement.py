@@ -1,0 +1,172 @@
+"""The system refuses what hostile files try, and nothing that they change in their process counts.
+
+Where the kernel has neither Landlock nor filters of system calls, docs/verify.md says what holds.
+"""
+
+import re
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from hostile_actions import ACTIONS, BEGINNING, PATCHES
+
+import numpy_cae
+from numpy_cae.confined.confinement import has_filter, landlock_version
+from numpy_cae.verify.grading import student_file, student_process
+from numpy_cae.verify.grading.sandbox import reply_to
+from numpy_cae.verify.grading.submission import read_submission
+
+RIGHT = """
+def tanh(x):
+    y = np.tanh(x)
+    return y, lambda dy: dy * (1 - y * y)
+"""
+CONSTANT = """
+def tanh(x):
+    return 0 * x + 0.3, lambda dy: 0 * dy
+"""
+KILLED_IN_ITS_CASES = """
+import numpy as np
+
+
+def tanh(x):
+    open("pid", "w").write("here")
+    while True:
+        pass
+"""
+
+is_confined = pytest.mark.skipif(
+    not (landlock_version() and has_filter()), reason="this kernel has no Landlock or no filters"
+)
+
+
+@pytest.fixture
+def outside(tmp_path):
+    """A folder beside that of the student's file, with a file in it."""
+    folder = tmp_path / "outside"
+    folder.mkdir()
+    (folder / "victim").write_text("text")
+    return folder
+
+
+def state_of(folder: Path) -> list:
+    """The names, contents, modes and times in a folder."""
+    states = []
+    for path in sorted(folder.iterdir()):
+        status = path.stat()
+        states.append((path.name, path.read_text(), status.st_mode, status.st_mtime_ns))
+    return states
+
+
+@is_confined
+@pytest.mark.parametrize("name", ACTIONS)
+def test_the_system_refuses(name, graded, outside, tmp_path):
+    root = Path(numpy_cae.__file__).parent
+    places = f"SOURCE = {str(root / 'ops' / 'activations.py')!r}\nROOT = {str(root.parent)!r}\n"
+    before = state_of(outside)
+    content = BEGINNING.format(outside=str(outside)) + places + ACTIONS[name] + RIGHT
+    file = graded(content, "work/student.py")
+    assert re.search("PermissionError|OperationalError|RunFailedError|refused|not there", str(file))
+    assert "DONE" not in str(file)
+    assert state_of(outside) == before
+    assert not Path("/dev/shm/numpy_cae_hostile").exists()
+
+
+@pytest.mark.parametrize("name", PATCHES)
+def test_what_a_file_changes_in_its_process_earns_nothing(name, graded):
+    file = graded("import gc\nimport numpy as np\n" + PATCHES[name] + CONSTANT)
+    assert not file.held
+    assert file.points == 0
+
+
+@pytest.fixture
+def request_for(tmp_path, monkeypatch):
+    """A request to grade a file of this content, in the current folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def make(content: str) -> dict:
+        path = tmp_path / "student.py"
+        path.write_text(content)
+        return {
+            "path": str(path),
+            "catalogue": "numpy_cae.verify.operations.operation_catalogue",
+            "requested": ["tanh"],
+            "provided": [],
+            "replaced": [],
+            "seconds": 20.0,
+            "megabytes": 2048,
+        }
+
+    return make
+
+
+@is_confined
+def test_a_process_that_is_killed_from_outside_is_said_to_be(request_for, monkeypatch):
+    started = student_process.subprocess.Popen
+    processes = []
+
+    def start(*arguments, **options):
+        processes.append(started(*arguments, **options))
+        return processes[-1]
+
+    def kill_when_it_runs(self):
+        while not (self._folder / "pid").exists():
+            time.sleep(0.01)
+        processes[-1].kill()
+
+    monkeypatch.setattr(student_process.subprocess, "Popen", start)
+    monkeypatch.setattr(student_process.StudentProcess, "_watch", kill_when_it_runs)
+    reply = reply_to(request_for(KILLED_IN_ITS_CASES))
+    assert reply["ungraded"] == student_process.KILLED
+
+
+def test_a_full_disk_is_no_fault_of_the_file(request_for, monkeypatch):
+    def mkdtemp(**options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(student_process.tempfile, "mkdtemp", mkdtemp)
+    assert "No space left" in reply_to(request_for("import numpy as np" + RIGHT))["ungraded"]
+
+
+@pytest.mark.parametrize(
+    ("program", "reason"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "ended without a reply"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSTOP)", "was it stopped?"),
+    ],
+    ids=["killed", "stopped"],
+)
+def test_a_grader_that_is_ended_or_stopped_is_said_to_be(program, reason, tmp_path, monkeypatch):
+    monkeypatch.setattr(student_file, "CHILD", [sys.executable, "-c", program])
+    monkeypatch.setattr(student_file, "SILENT_SECONDS", 0.2)
+    monkeypatch.setattr(student_file, "LOOK_SECONDS", 0.1)
+    path = tmp_path / "student.py"
+    path.write_text("import numpy as np\n" + RIGHT)
+    file = student_file.grade(path)
+    assert reason in file.ungraded
+    assert "NOT GRADED" in str(file)
+    assert not file.held
+
+
+def test_a_notebook_of_many_cells_is_read_in_linear_time(tmp_path, monkeypatch):
+    """Counts how often the text of a cell is looked at: a few times, whatever the number."""
+    from numpy_cae.verify.grading import submission
+
+    counts = []
+    source_of = submission._source
+
+    def count_source(cell):
+        counts[-1] += 1
+        return source_of(cell)
+
+    monkeypatch.setattr(submission, "_source", count_source)
+    cell = '{"cell_type": "code", "metadata": {"nbgrader": {"grade_id": "c%d", "solution": true}},'
+    cell += '"source": "def c%d(): pass"}'
+    for number in (100, 1000):
+        counts.append(0)
+        path = tmp_path / f"{number}.ipynb"
+        cells = ",".join(cell % (n, n) for n in range(number))
+        path.write_text('{"cells": [' + cells + "]}")
+        assert len(read_submission(path).cells) == number
+    assert counts[1] == 10 * counts[0]
