@@ -176,8 +176,7 @@ def _try_function(
 
     def note_case(outcomes: Sequence[Outcome], case: Case) -> None:
         process.require_alive()
-        is_first = len(last.get("outcomes", ())) != len(outcomes) or not last
-        last.update(reply_of(outcomes), trying=str(case), is_first_case=is_first)
+        last.update(reply_of(outcomes), trying=str(case))
 
     try:
         return {**reply_of(try_all(exercise, function, note_case)), "failed": ""}
