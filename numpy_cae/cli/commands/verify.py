@@ -29,18 +29,17 @@ else in a column of its own. A row that a file without a row may belong to stays
 is, and the exit status is 1. The import is not written if most submissions or most
 rows have no match.
 
-Each function runs in a process of its own with limits on time, memory, files and
-processes; where bubblewrap (bwrap) is installed and works, also without network
-and without write access. This protects against mistakes and shortcuts, not against
-an attack: a file can read what its user can, the solutions in the source of
-numpy_cae among it, and find the tests in the memory of its process. On Windows an
-endless loop ends the grading of the whole file. Grade files of people you do not
-trust in a container, and not as root. Exit status: 0 if every property holds, 1 if
+Each function runs in a process of its own with limits on time, memory and files; its
+results are compared in another. On Linux the kernel lets the process change files in a
+temporary folder only, start nothing and connect to nothing. Where the kernel cannot,
+the command says so before it grades a class: grade files of people you do not trust in
+a container then. Exit status: 0 if every property holds, 1 if
 something fails, 2 if there was nothing to grade.
 """
 
 import argparse
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -137,6 +136,7 @@ def _grade_and_write(marks: "ClassMarks", args: argparse.Namespace) -> list["Fil
     """Grade the files of a class, and write the table of marks after each of them."""
     from numpy_cae.verify.grading.student_file import FileReport
 
+    _warn_without_confinement()
     graders: list[Grade] = []
     for file in marks.files:
         if file.fault:
@@ -171,6 +171,16 @@ def _write_outputs(
         if args.csv:
             for line in marks.write_tables(reports):
                 print(line)
+
+
+def _warn_without_confinement() -> None:
+    """Say before a class is graded that this system does not confine files, if it does not."""
+    from numpy_cae.confined.confinement import LANDLOCK, SECCOMP, names_of_mechanisms
+
+    missing = [name for name in (LANDLOCK, SECCOMP) if name not in names_of_mechanisms()]
+    if missing:
+        text = f"this system has no {' and no '.join(missing)}: a file can change what you can"
+        print(f"{text} (docs/verify.md, What is not guarded)", file=sys.stderr)
 
 
 def _nothing_to_grade(paths: Sequence[Path]) -> str:
