@@ -10,7 +10,7 @@ examples, with the files that `numpy-cae demo` writes:
   numpy-cae repair demo/damaged.bvh -o fixed.bvh --html
   numpy-cae repair demo/damaged.bvh -o fixed.bvh --from video
   numpy-cae repair demo/damaged.bvh -o fixed.bvh --joint left_wrist --frames 30 75
-  numpy-cae repair demo/damaged.bvh -o part.bvh --only 2
+  numpy-cae repair demo/damaged.bvh -o part.bvh --only 1
   numpy-cae repair demo/damaged.bvh --dry-run --findings found.json
   numpy-cae repair demo/damaged.bvh -o fixed.bvh --mask found.json
 """
@@ -127,5 +127,5 @@ def _only(numbers: list[int], repaired: Repaired) -> list[Finding]:
     """The findings of these numbers, which are to be repaired whatever their status."""
     listed = repaired.listed()
     if max(numbers) > len(listed):
-        raise ValueError(f"--only {max(numbers)}: there are {count(len(listed), 'finding')}")
+        raise ValueError(f"--only {max(numbers)}: the repair has {count(len(listed), 'finding')}")
     return [replace(listed[number - 1], status="repaired") for number in numbers]
