@@ -1,0 +1,63 @@
+"""The questions of the quiz."""
+
+import re
+
+import pytest
+
+from tools.gift import QUIZ, Question, questions_of
+
+QUESTIONS = list(questions_of(QUIZ.read_text(encoding="utf-8")))
+CONTINUES = re.compile(
+    r"^(Its|Of the|At that|Why\?|The gradient for \w\?|Which of them)|^What is its|^dy = .*db"
+    r"|^How (long )?is that|three of them|for these|gradient there|left out of the count"
+)
+"""Words that refer to the question before, as questions of the quiz had them."""
+
+
+def choices() -> list[Question]:
+    return [question for question in QUESTIONS if question.wrong]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "What are the last three of them?",
+        "dy = (1, 10, 100). What is db?",
+        "dy = (7, 9) for these. What is dx, if a tie goes to the earlier frame?",
+        "Its pullback of dx = (1, 2, 3, 4)?",
+        "Its gradient there?",
+        "Its gradient for x̂?",
+        "Of the second layer?",
+        "How long is that at thirty frames a second?",
+        "At that rate, by which factor is u multiplied in a step?",
+        "What is its first input?",
+        "Why?",
+        "The gradient for p?",
+        "Which of them is best in one dimension?",
+        "How is that avoided?",
+    ],
+)
+def test_a_question_that_continues_another_is_recognised(text):
+    assert CONTINUES.search(text)
+
+
+def test_no_question_of_the_quiz_continues_another():
+    assert [question.text for question in QUESTIONS if CONTINUES.search(question.text)] == []
+
+
+def test_the_right_choice_is_the_longest_about_as_often_as_by_chance():
+    """Of three choices the longest is right in a third; a choice as long as it counts, too."""
+    questions = choices()
+    longest = sum(len(q.answer) >= max(map(len, q.wrong)) for q in questions)
+    assert 0.28 < longest / len(questions) < 0.42
+
+
+def test_the_right_choice_is_not_the_shortest_more_often_than_by_chance():
+    questions = choices()
+    shortest = sum(len(q.answer) <= min(map(len, q.wrong)) for q in questions)
+    assert shortest / len(questions) < 0.42
+
+
+def test_no_choice_of_a_question_stands_twice():
+    for question in choices():
+        assert len({question.answer, *question.wrong}) == 1 + len(question.wrong), question.text
