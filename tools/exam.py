@@ -10,6 +10,7 @@ answer is a number or one of several choices.
 import random
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 from tools.gift import QUIZ, Question, questions_of
 
@@ -18,15 +19,28 @@ LETTERS = "abcd"
 
 
 def exam(quiz: str, seed: int, numbers: list[str]) -> tuple[str, str]:
-    """The text of an exam and that of its key."""
+    """The text of an exam and that of its key.
+
+    Raises
+    ------
+    ValueError
+        The quiz has no questions of a lesson in `numbers`.
+    """
     rng = random.Random(seed)
-    lessons: dict[str, list[Question]] = {}
+    marked: dict[str, list[Question]] = {}
     for question in questions_of(quiz):
-        if question.is_marked and (not numbers or question.lesson in numbers):
-            lessons.setdefault(question.lesson, []).append(question)
+        if question.is_marked:
+            marked.setdefault(question.lesson, []).append(question)
+    missing = [number for number in numbers if number not in marked]
+    if missing:
+        raise ValueError(
+            f"the quiz has no questions of lesson {', '.join(missing)}; "
+            f"its lessons are {', '.join(marked)}"
+        )
     drawn: list[Question] = []
-    for questions in lessons.values():
-        drawn += rng.sample(questions, QUESTIONS_A_LESSON)
+    for lesson, questions in marked.items():
+        if not numbers or lesson in numbers:
+            drawn += rng.sample(questions, QUESTIONS_A_LESSON)
     rng.shuffle(drawn)
     paragraphs = [f"# Exam {seed}", "One point a question. Name: ____________________"]
     key = [f"# Key of exam {seed}"]
@@ -44,17 +58,26 @@ def exam(quiz: str, seed: int, numbers: list[str]) -> tuple[str, str]:
     return "\n\n".join(paragraphs) + "\n", "\n".join(key) + "\n"
 
 
-def main() -> None:
-    """Write the exam and the key."""
-    if len(sys.argv) < 3 or not sys.argv[1].isdecimal():
-        raise SystemExit("usage: python -m tools.exam SEED FOLDER [LESSON ...]")
-    folder = Path(sys.argv[2])
+def main(arguments: list[str]) -> None:
+    """Write the exam and the key; status 2 if the arguments name no exam."""
+    if len(arguments) < 2 or not arguments[0].isdecimal():
+        stop("usage: python -m tools.exam SEED FOLDER [LESSON ...]")
+    try:
+        texts = exam(QUIZ.read_text(encoding="utf-8"), int(arguments[0]), arguments[2:])
+    except ValueError as error:
+        stop(f"No exam is written: {error}.")
+    folder = Path(arguments[1])
     folder.mkdir(parents=True, exist_ok=True)
-    texts = exam(QUIZ.read_text(encoding="utf-8"), int(sys.argv[1]), sys.argv[3:])
     for name, text in zip(("exam.md", "key.md"), texts, strict=True):
         (folder / name).write_text(text, encoding="utf-8")
         print(folder / name)
 
 
+def stop(message: str) -> NoReturn:
+    """End the program with a message and status 2."""
+    print(message, file=sys.stderr)
+    raise SystemExit(2)
+
+
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -1,9 +1,10 @@
-"""The questions of the quiz."""
+"""The quiz, the exam drawn from it and its errors."""
 
 import re
 
 import pytest
 
+from tools import exam
 from tools.gift import QUIZ, Question, questions_of
 
 QUESTIONS = list(questions_of(QUIZ.read_text(encoding="utf-8")))
@@ -61,3 +62,19 @@ def test_the_right_choice_is_not_the_shortest_more_often_than_by_chance():
 def test_no_choice_of_a_question_stands_twice():
     for question in choices():
         assert len({question.answer, *question.wrong}) == 1 + len(question.wrong), question.text
+
+
+@pytest.mark.parametrize(
+    ("numbers", "missing"), [(["99"], "99"), (["03", "7"], "7"), (["99", "98"], "99, 98")]
+)
+def test_an_exam_of_a_lesson_without_questions_is_an_error(numbers, missing, tmp_path, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        exam.main(["1", str(tmp_path / "exam"), *numbers])
+    assert stopped.value.code == 2
+    assert f"the quiz has no questions of lesson {missing};" in capsys.readouterr().err
+    assert not (tmp_path / "exam").exists()
+
+
+def test_an_exam_of_named_lessons_is_written(tmp_path):
+    exam.main(["1", str(tmp_path / "exam"), "03", "07b"])
+    assert len(re.findall(r"^\d\. ", (tmp_path / "exam" / "exam.md").read_text("utf-8"), re.M)) == 4
