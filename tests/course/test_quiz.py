@@ -1,12 +1,14 @@
-"""The quiz, the exam drawn from it and its errors."""
+"""The quiz, the exam drawn from it, the public exam, and the plans for teachers."""
 
 import re
+from pathlib import Path
 
 import pytest
 
 from tools import exam
 from tools.gift import QUIZ, Question, questions_of
 
+LESSONS = Path(__file__).parents[2] / "lessons"
 QUESTIONS = list(questions_of(QUIZ.read_text(encoding="utf-8")))
 CONTINUES = re.compile(
     r"^(Its|Of the|At that|Why\?|The gradient for \w\?|Which of them)|^What is its|^dy = .*db"
@@ -78,3 +80,37 @@ def test_an_exam_of_a_lesson_without_questions_is_an_error(numbers, missing, tmp
 def test_an_exam_of_named_lessons_is_written(tmp_path):
     exam.main(["1", str(tmp_path / "exam"), "03", "07b"])
     assert len(re.findall(r"^\d\. ", (tmp_path / "exam" / "exam.md").read_text("utf-8"), re.M)) == 4
+
+
+def plans() -> dict[str, list[str]]:
+    """The rows of each plan, by the number of its weeks."""
+    text = (LESSONS / "TEACHING.md").read_text(encoding="utf-8")
+    sections = re.findall(r"^## (\w+) weeks.*?\n(.*?)(?=^## )", text, re.M | re.S)
+    return {weeks: re.findall(r"^\|.*$", body, re.M) for weeks, body in sections}
+
+
+@pytest.mark.parametrize("weeks", ["Two", "Six", "Eight", "Twelve"])
+def test_a_plan_names_07b_before_08(weeks):
+    lessons = re.findall(r"\b(07b|08)\b", "\n".join(plans()[weeks]))
+    assert "08" in lessons
+    assert lessons[0] == "07b"
+
+
+@pytest.mark.parametrize("lesson", ["07b", "08", "10", "11"])
+def test_the_public_exam_covers_a_lesson(lesson):
+    text = (LESSONS / "EXAM.md").read_text(encoding="utf-8")
+    row = next(line for line in text.splitlines() if line.startswith("| lesson |"))
+    assert lesson in row.replace("|", " ").split()
+
+
+def test_each_question_of_the_public_exam_has_points_and_a_solution():
+    text = (LESSONS / "EXAM.md").read_text(encoding="utf-8")
+    questions, solutions = text.partition("## Questions")[2].split("## Solutions")
+    points = next(line for line in text.splitlines() if line.startswith("| points |"))
+    values = [int(value) for value in re.findall(r"\d+", points)]
+    asked = re.findall(r"^\d+\. .*$", questions, re.M)
+    assert len(values) == len(asked) == len(re.findall(r"^\d+\. ", solutions, re.M))
+    for question, value in zip(asked, values, strict=True):
+        parts = re.findall(r"\((\d+)\)", question)
+        assert sum(map(int, parts)) == value or not parts, question
+    assert f"{sum(values)} points" in text
