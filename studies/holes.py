@@ -1,6 +1,7 @@
 """Holes of several lengths in takes without damage, filled by `fill` and by the rotation curves of
 animation programs.
 
+    python -m studies holes --data bandai --test '*_003.bvh'
     python -m studies holes --data bandai --test '*_003.bvh' --takes 6 --parts wrist leg
 
 Each take has one hole of each part and length; a take that is less than a second longer than the
