@@ -250,4 +250,4 @@ def test_a_number_repairs_a_proposal_too(takes, tmp_path, capsys, monkeypatch):
     before, after = load_motion(source), load_motion(out)
     assert changed_joints(before, after)[30:60].any()
     assert main([*words, "--overwrite", "--only", "99"]) == 2
-    assert "--only 99: there are" in capsys.readouterr().err
+    assert "--only 99: the repair has" in capsys.readouterr().err

@@ -7,6 +7,7 @@ import re
 import sys
 import time
 from pathlib import Path
+from subprocess import PIPE, Popen
 
 import pytest
 from hostile_actions import ACTIONS, BEGINNING, PATCHES
@@ -170,3 +171,10 @@ def test_a_notebook_of_many_cells_is_read_in_linear_time(tmp_path, monkeypatch):
         path.write_text('{"cells": [' + cells + "]}")
         assert len(read_submission(path).cells) == number
     assert counts[1] == 10 * counts[0]
+
+
+@is_confined
+def test_processes_that_ran_before_the_grading_go_on(request_for):
+    with Popen([sys.executable, "-c", "import sys; sys.stdin.read()"], stdin=PIPE) as earlier:
+        reply_to(request_for(CONSTANT))
+        assert earlier.poll() is None

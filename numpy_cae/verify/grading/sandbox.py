@@ -114,12 +114,13 @@ def _started(
     solutions = {name: catalogue[name].solution for name in available}
     tested = [catalogue[name].solution for name in names if name not in available]
     beside = Path(request["path"]).parent
+    earlier = find_children()
     process = StudentProcess(request["seconds"], request["megabytes"], beside, solutions, tested)
     try:
         yield process
     finally:
         process.end()
-        end_children()  # such as a process that left the group which is killed
+        end_children(earlier)  # such as a process that left the group which is killed
 
 
 def _run(
@@ -198,14 +199,19 @@ def set_process_option(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
-def end_children() -> None:
-    """Kill the processes whose parent this one is, where /proc lists them (Linux).
+def find_children() -> set[int]:
+    """The processes whose parent this one is, where /proc lists them (Linux)."""
+    children = Path(f"/proc/self/task/{os.getpid()}/children")
+    return set(map(int, children.read_text().split())) if children.exists() else set()
+
+
+def end_children(earlier: set[int]) -> None:
+    """Kill the processes whose parent this one is, but for the earlier ones.
 
     A child's own children become this process's when the child ends, and are killed next.
     """
-    children = Path(f"/proc/self/task/{os.getpid()}/children")
-    while children.exists() and (processes := children.read_text().split()):
-        for process in map(int, processes):
+    while processes := find_children() - earlier:
+        for process in processes:
             os.kill(process, signal.SIGKILL)
             os.waitpid(process, 0)
 
