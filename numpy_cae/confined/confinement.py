@@ -134,8 +134,8 @@ def confine(
         mechanisms.append(LIMITS)
     if _become_other_user(folder):
         mechanisms.append(OTHER_USER)
-    _set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if _set_process_option(PR_SET_NO_NEW_PRIVS, 1):
+    set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if set_process_option(PR_SET_NO_NEW_PRIVS, 1):
         if restrict_files(folder, trees):
             mechanisms.append(LANDLOCK)
         if filter_system_calls():
@@ -143,7 +143,7 @@ def confine(
     return mechanisms
 
 
-def _set_process_option(option: int, value: int) -> bool:
+def set_process_option(option: int, value: int) -> bool:
     """`prctl`; whether the system has it and agreed."""
     try:
         return ctypes.CDLL(None).prctl(option, value, 0, 0, 0) == 0

@@ -5,7 +5,6 @@ is run in a confined process, one for each function (`student_process`), so that
 changes reaches the comparisons.
 """
 
-import ctypes
 import json
 import os
 import signal
@@ -13,12 +12,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from numpy_cae.confined.channel import MessageError
+from numpy_cae.confined.confinement import PR_SET_PDEATHSIG, set_process_option
 from numpy_cae.verify.checks.messages import error_text
 from numpy_cae.verify.grading.report import reply_of, try_all
 from numpy_cae.verify.grading.student_process import (
@@ -32,7 +32,6 @@ from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation_catalogue import Exercise
 from numpy_cae.verify.operations.property import Outcome
 
-PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
 """A process is the parent of its descendants whose own parent has ended."""
 HEARTBEAT_SECONDS = 1.0
@@ -192,11 +191,6 @@ def _is_right(result: Mapping[str, Any] | None) -> bool:
     if result is None:
         return False
     return not result["failed"] and all(outcome["held"] for outcome in result["outcomes"])
-
-
-def set_process_option(option: int, value: int) -> None:
-    with suppress(OSError, AttributeError, TypeError):  # not Linux
-        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
 def find_children() -> set[int]:
