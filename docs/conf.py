@@ -30,6 +30,7 @@ from tools.docstring_examples import example_modules, failures  # noqa: E402
 from tools.equations import as_tex, is_equation  # noqa: E402
 from tools.example_repair import write_example  # noqa: E402
 from tools.lesson_pages import write_lessons  # noqa: E402
+from tools.moving_pictures import write_moving_pictures  # noqa: E402
 
 PACKAGES = ("public", "ops", "models", "training", "motion", "manifold", "fast", "verify", "course",
             "mocap", "cleanup", "viz", "evaluation", "download")  # fmt: skip
@@ -52,7 +53,7 @@ html_js_files = ["names.js"]
 html_favicon = "site_files/icon.svg"
 html_search_scorer = str(HERE / "site_files" / "scorer.js")
 html_copy_source = False
-html_extra_path = ["made/page"]  # the page that the example's command writes
+html_extra_path = ["made/page"]  # pages that play motions
 html_theme = "pydata_sphinx_theme"
 html_title = "numpy_cae"
 html_context = {"default_mode": "auto"}
@@ -260,6 +261,7 @@ def setup(app) -> None:
     write_api()
     write_lessons(HERE.parent / "lessons", HERE / "lessons", write_if_changed)
     write_example(HERE / "made", HERE / "site_files")
+    write_moving_pictures(HERE / "made" / "page")
     app.connect("source-read", link_names)
     app.connect("build-finished", remove_unused_mathjax)
     app.connect("html-page-context", without_empty_headings)

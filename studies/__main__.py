@@ -20,10 +20,9 @@ import scipy
 
 import numpy_cae
 from numpy_cae.errors import NumpyCaeError
-from numpy_cae.viz import save_viewer
 from studies.shared.messages import note
 from studies.shared.options import LISTED, OPTIONS, Inputs, add_options, parameters
-from studies.shared.result import Result, data, png, report, text
+from studies.shared.result import Result, data, png, report, text, write_moving
 
 HERE = Path(__file__).parent
 NAMES = sorted(path.stem for path in HERE.glob("[!_]*.py"))
@@ -137,8 +136,7 @@ def write(results: dict[str, Result], folder: Path) -> None:
         claims += result.claims
         for name, picture in result.figures.items():
             (folder / f"{name}.png").write_bytes(png(picture))
-            if picture.actors:
-                save_viewer(picture.actors, folder / f"{name}.html", picture.rate)
+            write_moving(picture, folder / f"{name}.html")
     confirmed = sum(bool(claim.confirmed) for claim in claims)
     print(f"{folder / 'report.md'}: {confirmed} of {len(claims)} claims confirmed")
 

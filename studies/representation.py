@@ -277,7 +277,7 @@ def _layers(manifold: MotionManifold, clips: Clips) -> list[tuple[float, float, 
     measured = []
     for n in range(1, len(manifold.network.layers) + 1):
         units = manifold.network.encode(clips.x, layers=n)[clips.real[:, :: 2**n]]
-        energy = np.square(_responses(manifold, units, n)[..., POSITIONS], dtype=np.float64)
+        energy = np.square(responses(manifold, units, n)[..., POSITIONS], dtype=np.float64)
         energy = energy.reshape(*energy.shape[:2], len(JOINTS), 3).sum(axis=-1)
         energy = energy[energy.sum(axis=(1, 2)) > SILENT]
         varied = units[:, units.std(axis=0) > 1e-6]
@@ -287,7 +287,7 @@ def _layers(manifold: MotionManifold, clips: Clips) -> list[tuple[float, float, 
     return measured
 
 
-def _responses(manifold: MotionManifold, units: np.ndarray, n: int) -> np.ndarray:
+def responses(manifold: MotionManifold, units: np.ndarray, n: int) -> np.ndarray:
     """What raising each of the units (N, k) of layer n adds to the motion, (k, frames, 63)."""
     layers = manifold.network.layers[:n]
     radius = sum(len(layer.w) // 2 * 2**below for below, layer in enumerate(layers))

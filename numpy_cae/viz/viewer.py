@@ -143,8 +143,27 @@ def fragment(
     rows : mapping of str to (F,) array of float, optional
         The name and the values, 0 to 1, of rows of bars below the slider.
     """
+    data = viewer_data(actors, rate, overlaid, findings, command, rows)
+    text = json_in_page(data)
+    labels = escape(", ".join(actor.label for actor in actors))
+    return (
+        f'<script type="application/json" class="viewer-data {style}">{text}</script>'
+        f"<noscript><p>An animation of {labels}. It needs JavaScript, which is switched off."
+        "</p></noscript>"
+    )
+
+
+def viewer_data(
+    actors: Sequence[Actor],
+    rate: float,
+    overlaid: bool = False,
+    findings: Sequence[Mapping[str, Any]] = (),
+    command: str = "",
+    rows: Mapping[str, np.ndarray] | None = None,
+) -> dict[str, Any]:
+    """What `mount` of viewer.js shows, in JSON's types; arguments as in `fragment`."""
     longest = max(len(actor.positions) for actor in actors)
-    data = {
+    return {
         "rate": rate,
         "frames": longest,
         "overlaid": overlaid,
@@ -154,14 +173,11 @@ def fragment(
         "command": visible(command),
         "rows": {visible(name): np.round(row, 3).tolist() for name, row in (rows or {}).items()},
     }
-    # "</script>" in a joint's name must not end the element.
-    text = json.dumps(data).replace("<", "\\u003c")
-    labels = escape(", ".join(actor.label for actor in actors))
-    return (
-        f'<script type="application/json" class="viewer-data {style}">{text}</script>'
-        f"<noscript><p>An animation of {labels}. It needs JavaScript, which is switched off."
-        "</p></noscript>"
-    )
+
+
+def json_in_page(data: Any) -> str:
+    """JSON for a script element, which "</script>" in a joint's name must not end."""
+    return json.dumps(data).replace("<", "\\u003c")
 
 
 def page_text(name: str) -> str:

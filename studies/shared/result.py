@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from numpy_cae.atomic_write import atomic_write
 from numpy_cae.evaluation.tables import Table
+from numpy_cae.viz import save_viewer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,11 +68,13 @@ class Claim:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of a result, which is drawn when it is requested, and motions for the viewer."""
+    """A figure of a result, which is drawn when it is requested, and motions for the viewer, or the
+    HTML of a page of its own."""
 
     draw: Callable[[], Figure]
     actors: Sequence[Actor] = ()
     rate: float = 0.0
+    page: Callable[[], str] | None = None
 
 
 def moving(motions: Motions, rate: float, azimuth: float = 40.0) -> Picture:
@@ -168,6 +172,15 @@ def png(picture: Picture) -> bytes:
     return file.getvalue()
 
 
+def write_moving(picture: Picture, path: Path) -> None:
+    """Write the page of a picture that has motions, or a page of its own."""
+    if picture.page:
+        with atomic_write(path) as temporary:
+            temporary.write_text(picture.page(), "utf-8")
+    elif picture.actors:
+        save_viewer(picture.actors, path, picture.rate)
+
+
 def report(results: Mapping[str, Result]) -> str:
     """All results in Markdown, with their pictures and moving pages, which are files beside it."""
     parts = []
@@ -175,6 +188,6 @@ def report(results: Mapping[str, Result]) -> str:
         parts.append(f"# {text(result)}")
         for name, picture in result.figures.items():
             parts.append(f"![{result.title}: {name}]({name}.png)")
-            if picture.actors:
+            if picture.actors or picture.page:
                 parts.append(f"[The same, moving]({name}.html)")
     return "\n\n".join(parts) + "\n"
