@@ -26,6 +26,10 @@ def tanh(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
     y : array of the same shape
     pullback : dy -> dx
 
+    See Also
+    --------
+    arctanh : Its inverse, which the decoder uses.
+
     References
     ----------
     holden2015, section 5, equation 1.
@@ -69,6 +73,10 @@ def arctanh(y: np.ndarray, bound: float) -> tuple[np.ndarray, Pullback]:
     ------
     ValueError
         If the bound is not between 0 and 1.
+
+    See Also
+    --------
+    tanh : Its inverse.
 
     References
     ----------

@@ -45,6 +45,10 @@ def conv1d(x: np.ndarray, w: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, Pul
     ValueError
         If a shape does not fit or K is even.
 
+    See Also
+    --------
+    transpose_filters : The filters with which a convolution is decoded.
+
     References
     ----------
     holden2015, section 5, equation 1 (X * W_k + b_k).
@@ -115,6 +119,10 @@ def transpose_filters(w: np.ndarray) -> tuple[np.ndarray, Callable[[np.ndarray],
     ------
     ValueError
         If w does not have three axes.
+
+    See Also
+    --------
+    conv1d : The convolution that encodes with w and decodes with W̃.
 
     References
     ----------

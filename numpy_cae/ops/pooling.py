@@ -36,6 +36,10 @@ def max_pool(x: np.ndarray) -> tuple[np.ndarray, Pullback]:
     ValueError
         If x does not have three axes or T is odd.
 
+    See Also
+    --------
+    unpool_even, unpool_random : Two ways back.
+
     References
     ----------
     holden2015, section 5, the Ψ of equation 1.
@@ -82,6 +86,11 @@ def unpool_even(y: np.ndarray) -> tuple[np.ndarray, Pullback]:
     ValueError
         If y does not have three axes.
 
+    See Also
+    --------
+    unpool_random : The value on one frame of the pair.
+    max_pool : What it undoes.
+
     References
     ----------
     holden2015, section 5, the Ψ† of equation 2 in fine tuning and in use.
@@ -126,6 +135,11 @@ def unpool_random(y: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, Pullbac
     ------
     ValueError
         If the shapes differ or `first` is not boolean.
+
+    See Also
+    --------
+    unpool_even : Half of the value on both frames.
+    max_pool : What it undoes.
 
     References
     ----------

@@ -58,6 +58,10 @@ def gru_step(
     ValueError
         If a shape does not fit.
 
+    See Also
+    --------
+    gru : All steps of a sequence.
+
     References
     ----------
     Cho et al., EMNLP 2014; the reset gate after the product as in cuDNN and PyTorch's `GRU`.
@@ -134,6 +138,10 @@ def gru(
     ------
     ValueError
         If a shape does not fit.
+
+    See Also
+    --------
+    gru_step : One step, with the equations of the gates.
 
     References
     ----------

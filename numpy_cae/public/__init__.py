@@ -69,6 +69,12 @@ def load(
     FileMotion
         A `Motion` with a method `save`. In a notebook it shows itself in the viewer.
 
+    See Also
+    --------
+    save : Write a motion to a file.
+    show : Play motions.
+    numpy_cae.mocap.load_motion : The same function, with all its options explained.
+
     Examples
     --------
     >>> import numpy_cae
@@ -89,6 +95,10 @@ def save(motion: Motion | FilePath, path: FilePath) -> None:
         One that was made in memory is written as BVH.
     path : path
         The file to write: .bvh, or .amc if the motion was loaded from one.
+
+    See Also
+    --------
+    load : Read a motion from a file.
 
     Examples
     --------
@@ -126,6 +136,13 @@ def repair(
     -------
     Repaired
         Its `motion` is the repaired one. Printed, it names the joints, frames and centimetres.
+
+    See Also
+    --------
+    fill : Fill in joints that you name, whatever is in the file.
+    project : Project the whole motion, damaged or not.
+    show : Play the motion before and after.
+    numpy_cae.cleanup.Preset : Which steps are taken.
 
     Examples
     --------
@@ -171,6 +188,11 @@ def fill(
     ValueError
         If neither joints nor frames are given, or the motion does not have them.
 
+    See Also
+    --------
+    repair : Find what is damaged, and mend it.
+    numpy_cae.manifold.MotionManifold.complete : Complete values of features that are missing.
+
     Examples
     --------
     >>> import numpy_cae
@@ -202,6 +224,11 @@ def project(motion: Motion | FilePath, manifold: MotionManifold | FilePath | Non
     -------
     Motion
         Its skeleton, rate, unit and length are those of `motion`.
+
+    See Also
+    --------
+    repair : Change only what is damaged.
+    learn : Learn a manifold of your own.
 
     Examples
     --------
@@ -248,6 +275,11 @@ def show(
     ValueError
         If there is no motion, or not one label for each, or findings of more or fewer than two
         motions.
+
+    See Also
+    --------
+    load : Read a motion from a file.
+    numpy_cae.viz.save_viewer : Write the page of any motions, with a summary.
 
     Examples
     --------
@@ -366,6 +398,12 @@ def learn(
         If a file cannot be used.
     ValueError
         If there is no such recipe or engine, or a number does not fit.
+
+    See Also
+    --------
+    project, repair, fill : What a manifold is used for.
+    numpy_cae.manifold.learn_manifold : Learn from arrays instead of files.
+    numpy_cae.manifold.learn_sequences : The sequential network of jang2018.
     """
     require_whole(seed, "seed", 0)
     require_whole(window, "window", 1)
