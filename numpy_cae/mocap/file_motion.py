@@ -9,8 +9,8 @@ from pathlib import Path
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.errors import FileError
 from numpy_cae.mocap.formats.amc import find_skeleton
+from numpy_cae.mocap.formats.rewriting import rewrite_numbers
 from numpy_cae.mocap.formats.write_bvh import write_bvh
-from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.rigs.rigs import RiggedMotion
 from numpy_cae.motion import Motion
 
@@ -66,7 +66,7 @@ class FileMotion(RiggedMotion):
             return
         if suffix == ".amc":
             _copy_skeleton(find_skeleton(self.source), path)
-        write_like(self.source, before, self, path)
+        rewrite_numbers(self.source, before, self, path)
 
 
 def save(motion: Motion, path: str | Path) -> None:

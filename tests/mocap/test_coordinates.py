@@ -11,8 +11,8 @@ from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.coordinates import TO_Y_UP, require_coordinates, turn_as_in_file, turn_y_up
 from numpy_cae.mocap.formats.amc import read_amc
 from numpy_cae.mocap.formats.read_bvh import read_bvh
+from numpy_cae.mocap.formats.rewriting import rewrite_numbers
 from numpy_cae.mocap.formats.write_bvh import write_bvh
-from numpy_cae.mocap.formats.write_like import write_like
 from numpy_cae.mocap.load import find_motion_files, load_motion
 from numpy_cae.motion import Skeleton, positions_to_features
 
@@ -58,7 +58,7 @@ def test_a_changed_file_of_another_axis_keeps_the_text_of_its_other_frames(tmp_p
     motion = load_motion(path)
     translations = motion.translations.copy()
     translations[20:30, 0] += [0.1, 0.2, 0.3]
-    write_like(path, motion, replace(motion, translations=translations), out)
+    rewrite_numbers(path, motion, replace(motion, translations=translations), out)
     lines = path.read_text().splitlines()[-60:]
     new_lines = out.read_text().splitlines()[-60:]
     assert [n for n, line in enumerate(lines) if new_lines[n] != line] == list(range(20, 30))

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from data_synth import make_take
 from numpy_cae.errors import FileError
 from numpy_cae.mocap import MotionFileError, load_motion, read_bvh, write_bvh
-from numpy_cae.mocap.formats.write_like import write_like
+from numpy_cae.mocap.formats.rewriting import rewrite_numbers
 from numpy_cae.mocap.units import CMU_UNIT
 from numpy_cae.motion import Motion, Skeleton
 
@@ -197,12 +197,12 @@ def turned(motion, joint, frames, angle=0.2):
 
 def test_only_the_numbers_of_changed_rotations_and_translations_differ(odd):
     source, motion, path = odd
-    write_like(source, motion, motion, path)
+    rewrite_numbers(source, motion, motion, path)
     assert path.read_bytes() == source.read_bytes()
     after = turned(motion, 1, slice(3, 5))
     after = replace(after, translations=motion.translations.copy())
     after.translations[4, 0, 1] += 0.05
-    write_like(source, motion, after, path)
+    rewrite_numbers(source, motion, after, path)
     texts = (file.read_bytes().decode().split("MOTION")[1] for file in (source, path))
     old, new = (re.split(r"(\s+)", text) for text in texts)
     assert len(old) == len(new)
@@ -215,7 +215,7 @@ def test_only_the_numbers_of_changed_rotations_and_translations_differ(odd):
 
 def test_where_the_start_is_cut_off_the_text_of_other_frames_is_kept(odd):
     source, motion, path = odd
-    write_like(source, motion, motion.at(slice(3, None)), path)
+    rewrite_numbers(source, motion, motion.at(slice(3, None)), path)
     old, new = (file.read_bytes().decode() for file in (source, path))
     last_lines = old.splitlines(keepends=True)[-10:]  # of nine frames, and a blank line
     assert new.endswith("".join(last_lines))
@@ -225,7 +225,7 @@ def test_where_the_start_is_cut_off_the_text_of_other_frames_is_kept(odd):
 
 def test_angles_jump_only_where_those_of_the_file_do(odd):
     source, motion, path = odd
-    write_like(source, motion, turned(motion, 0, slice(2, 9)), path)
+    rewrite_numbers(source, motion, turned(motion, 0, slice(2, 9)), path)
     for file in (source, path):
         lines = file.read_text().split(".0333333")[1].split("\n")
         table = np.array([line.split() for line in lines if line.strip()], dtype=float)
@@ -239,12 +239,12 @@ def test_an_acclaim_file_is_written_as_one(tmp_path):
     write_acclaim(take, source)
     source.write_text("# by hand\n" + source.read_text().replace("\nlfemur", "  # hips\nlfemur", 3))
     motion = load_motion(source)
-    write_like(source, motion, motion, tmp_path / "same.amc")
+    rewrite_numbers(source, motion, motion, tmp_path / "same.amc")
     assert (tmp_path / "same.amc").read_bytes() == source.read_bytes()
 
     femur, tibia = (motion.skeleton.index(name) for name in ("lfemur", "ltibia"))
     after = turned(turned(motion, femur, [4, 5]), tibia, [5])
-    write_like(source, motion, after, tmp_path / "new.amc")
+    rewrite_numbers(source, motion, after, tmp_path / "new.amc")
     texts = [path.read_text().splitlines() for path in (source, tmp_path / "new.amc")]
     changed = [
         old_line.split()[0]
@@ -252,7 +252,7 @@ def test_an_acclaim_file_is_written_as_one(tmp_path):
         if old_line != new_line
     ]
     assert changed == ["lfemur", "lfemur", "ltibia"]
-    write_like(source, motion, motion.at(slice(2, None)), tmp_path / "cut.amc")
+    rewrite_numbers(source, motion, motion.at(slice(2, None)), tmp_path / "cut.amc")
     numbers = [line for line in (tmp_path / "cut.amc").read_text().splitlines() if line.isdigit()]
     assert numbers == [str(number) for number in range(1, 14)]
     again = load_motion(tmp_path / "new.amc")
@@ -264,9 +264,9 @@ def test_what_the_channels_do_not_allow_is_reported(tmp_path, caplog):
     (tmp_path / "02_01.amc").write_text(AMC)
     motion = load_motion(tmp_path / "02_01.amc")
     after = turned(motion, motion.skeleton.index("tibia"), [1])  # which turns about x alone
-    write_like(tmp_path / "02_01.amc", motion, after, tmp_path / "new.amc")
+    rewrite_numbers(tmp_path / "02_01.amc", motion, after, tmp_path / "new.amc")
     after = replace(after, translations=after.translations + 0.1)  # only the root has places
-    write_like(tmp_path / "02_01.amc", motion, after, tmp_path / "new.amc")
+    rewrite_numbers(tmp_path / "02_01.amc", motion, after, tmp_path / "new.amc")
     assert "the channels do not allow it: hip 17 cm, femur 17 cm, tibia 12°" in caplog.text
 
 
@@ -276,12 +276,12 @@ def test_another_length_gives_a_whole_file_and_a_source_that_changed_is_refused(
     motion = load_motion(tmp_path / "a.bvh")
     with pytest.raises(ValueError, match="not finite"):
         holed = replace(motion, translations=motion.translations * np.nan)
-        write_like(tmp_path / "a.bvh", motion, holed, tmp_path / "b.bvh")
+        rewrite_numbers(tmp_path / "a.bvh", motion, holed, tmp_path / "b.bvh")
     short = motion.at(slice(0, 10))
     short.save(tmp_path / "short.bvh", motion)
     assert len(load_motion(tmp_path / "short.bvh")) == 10
     with pytest.raises(MotionFileError, match="has changed since it was read"):
-        write_like(tmp_path / "a.bvh", short, short, tmp_path / "b.bvh")
+        rewrite_numbers(tmp_path / "a.bvh", short, short, tmp_path / "b.bvh")
     with pytest.raises(ValueError, match=r"a\.fbx: a motion is written as \.bvh"):
         motion.save(tmp_path / "a.fbx")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.bvh", "short.bvh"]

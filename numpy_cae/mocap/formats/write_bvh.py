@@ -1,4 +1,4 @@
-"""Write a motion as a new BVH file (`write_like` keeps the text of the file it came from).
+"""Write a motion as a new BVH file (`rewrite_numbers` keeps the text of the file it came from).
 
 The file opens in Blender, and `read_bvh` reads the same motion from it. Blender's importer reads
 line by line and requires more than the format does: every brace on a line of its own, OFFSET

@@ -37,7 +37,7 @@ _GAPS = re.compile(r"(\s+|(?<!\.)#[^\r\n]*)")
 """White space and comments, which separate words; 1.#QNAN is a word."""
 
 
-def write_like(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
+def rewrite_numbers(source: str | Path, before: Motion, after: Motion, path: str | Path) -> None:
     """Write `after`, a changed version of `before`, with the text of the file `before` came from.
 
     Numbers are replaced where a joint's rotation or translation differs between the two. They have
@@ -72,7 +72,7 @@ def write_like(source: str | Path, before: Motion, after: Motion, path: str | Pa
     >>> from numpy_cae.mocap import load_motion, write_bvh
     >>> write_bvh(make_take("walk", 1, seconds=1.0, rate=30.0).motion, "walk.bvh", unit=0.01)
     >>> motion = load_motion("walk.bvh")
-    >>> write_like("walk.bvh", motion, motion, "same.bvh")
+    >>> rewrite_numbers("walk.bvh", motion, motion, "same.bvh")
     >>> Path("same.bvh").read_bytes() == Path("walk.bvh").read_bytes()
     True
     """
