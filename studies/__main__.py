@@ -22,7 +22,7 @@ import numpy_cae
 from numpy_cae.errors import NumpyCaeError
 from studies.shared.messages import note
 from studies.shared.options import LISTED, OPTIONS, Inputs, add_options, parameters
-from studies.shared.result import Result, data, png, report, text, write_moving
+from studies.shared.result import CONFIRMED, Result, data, png, report, text, write_moving
 
 HERE = Path(__file__).parent
 NAMES = sorted(path.stem for path in HERE.glob("[!_]*.py"))
@@ -137,7 +137,7 @@ def write(results: dict[str, Result], folder: Path) -> None:
         for name, picture in result.figures.items():
             (folder / f"{name}.png").write_bytes(png(picture))
             write_moving(picture, folder / f"{name}.html")
-    confirmed = sum(bool(claim.confirmed) for claim in claims)
+    confirmed = sum(claim.verdict == CONFIRMED for claim in claims)
     print(f"{folder / 'report.md'}: {confirmed} of {len(claims)} claims confirmed")
 
 

@@ -1,6 +1,7 @@
 """Baselines of the manifold: a Gaussian of the frames around each frame, and PCA.
 
-The linear map of these frames follows from the moments of the Gaussian.
+The linear map of these frames follows from the moments of the Gaussian. `pose_dynamics` has a
+Kalman smoother in the space of PCA, and `joint_ridge` a regression of joints on the others.
 
 With z the values of `TAPS` successive frames in one row, m = E[z] and S = Cov(z), both from the
 undamaged windows of training takes, missing values are estimated by their mean given the rest,
@@ -8,9 +9,15 @@ undamaged windows of training takes, missing values are estimated by their mean 
     E[z_u | z_o] = m_u + S_uo S_oo⁻¹ (z_o - m_o)
 
 where o are the known and u the unknown entries of z, and S_oo, which may be singular, stands for
-S_oo + r I with r = `RIDGE` times the mean of all diagonal entries of S (`Gaussian.complete`). Where
-the mask is not given and a removed value is zero, the best linear map of z to the frame in its
-middle, x, is
+S_oo + r I with r = `ridge` times the mean of all diagonal entries of S (`Gaussian.complete`). Rows
+begin every `STEP` frames, so they overlap. The estimates of a frame by all rows that have it are
+averaged with the weights of Hann's window,
+
+    w_j = sin²(π (j + ½) / TAPS),   j = 0 … TAPS - 1 the place of the frame in the row
+
+since a row knows most about the frames in its middle. `fit_gaussian` chooses the ridge on training
+takes that are left out. Where the mask is not given and a removed value is zero, the best linear
+map of z to the frame in its middle, x, is
 
     A = argmin E ‖x - (k ∘ z) A‖² = M⁻¹ B,
     M_ij = E[z_i z_j] (1 - p)²   (i ≠ j),   M_ii = E[z_i²] (1 - p),   B_ij = (1 - p) E[z_i x_j]
@@ -35,12 +42,18 @@ from numpy_cae.fast.thread_team import one_blas_thread
 
 TAPS = 15
 """Frames of a row, as many as a filter of holden2015 has."""
-MIDDLE = 7
-"""The frames in the middle of a row that `Gaussian.complete` takes from it."""
+STEP = 5
+"""Rows that `Gaussian.complete` averages begin so many frames apart."""
 RIDGE = 3e-4
-"""This share of the mean of the diagonal of S, or of M, is added to the diagonal. With 1e-6
-the Gaussian is a little better on takes like those it is fitted to, and four times worse on takes
-of another source (docs/lab_book/other_sources.md)."""
+"""This share of the mean of the diagonal of M, or of S by default, is added to the diagonal. With
+1e-6 the Gaussian is better on takes like those it is fitted to, and four times worse on takes of
+another source (docs/lab_book/other_sources.md)."""
+RIDGES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
+"""Shares of which `fit_gaussian` chooses one."""
+LEFT_OUT = 5
+"""`fit_gaussian` leaves out every so-many-th take."""
+CHOSEN_ON = 6
+"""A ridge is chosen on at most this many windows, evenly spaced over the takes left out."""
 
 
 class Gaussian:
@@ -51,55 +64,73 @@ class Gaussian:
 
     Attributes
     ----------
+    frames : int
+        Number of rows.
+    ridge : float
+        This share of the mean of the diagonal of S is added to the diagonal.
     mean : (TAPS · C,) array of float64
         m, by frame, then feature.
     second : (TAPS · C, TAPS · C) array of float64
         E[z zᵀ]; S is E[z zᵀ] - m mᵀ.
     """
 
-    def __init__(self, windows: np.ndarray, real: np.ndarray):
+    def __init__(self, windows: np.ndarray, real: np.ndarray, ridge: float = RIDGE):
         size = TAPS * windows.shape[-1]
         total = np.zeros(size)
+        self.ridge = ridge
         self.second = np.zeros((size, size))
         for window, counts in zip(windows, real, strict=True):
-            z = gather_context(window)[counts]
+            z = gather_context(np.asarray(window, dtype=np.float64))[counts]
             total += z.sum(axis=0)
             self.second += z.T @ z
-        frames = np.count_nonzero(real)
-        self.mean = total / frames
-        self.second /= frames
+        self.frames = int(np.count_nonzero(real))
+        self.mean = total / self.frames
+        self.second /= self.frames
+
+    def add(self, other: Gaussian) -> None:
+        """Change the moments to those of the frames of both together."""
+        share = other.frames / (self.frames + other.frames)
+        self.mean += share * (other.mean - self.mean)
+        self.second += share * (other.second - self.second)
+        self.frames += other.frames
 
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).
 
-        Frames 0 to 6, 7 to 13, … (`MIDDLE`) are each estimated from the row z in whose middle
-        they are. Frames beyond a window are unknown.
+        Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a window of fewer
+        than `TAPS` frames are unknown.
         """
-        covariance = _with_ridge(self.second - np.outer(self.mean, self.mean))
-        before = (TAPS - MIDDLE) // 2
-        padding = ((before, TAPS), (0, 0))
-        estimates = np.array(x, dtype=np.float64)
+        covariance = _with_ridge(self.second - np.outer(self.mean, self.mean), self.ridge)
+        frames = x.shape[1]
+        short = max(TAPS - frames, 0)
+        last = frames + short - TAPS
+        starts = [*range(0, last, STEP), last]
+        hann = np.sin(np.pi * (np.arange(TAPS) + 0.5) / TAPS)[:, None] ** 2
+        estimates = np.zeros((len(x), frames + short, x.shape[2]))
+        weights = np.zeros((frames + short, 1))
+        for start in starts:
+            weights[start : start + TAPS] += hann
         with one_blas_thread():  # two threads wait for each other longer than they compute
             for window, mask, estimate in zip(x, known, estimates, strict=True):
-                padded = np.pad(window, padding)
-                padded_mask = np.pad(mask, padding)
-                for start in range(0, len(window), MIDDLE):
-                    z = padded[start : start + TAPS]
-                    is_known = padded_mask[start : start + TAPS]
-                    middle = slice(start, min(start + MIDDLE, len(window)))
-                    if mask[middle].all():
-                        continue
-                    row = self._complete_row(z.ravel(), is_known.ravel(), covariance)
-                    estimate[middle] = row.reshape(TAPS, -1)[before:][: middle.stop - start]
-        return np.where(known, x, estimates)
+                padded = np.pad(window, ((0, short), (0, 0)))
+                padded_mask = np.pad(mask, ((0, short), (0, 0)))
+                for start in starts:
+                    row = slice(start, start + TAPS)
+                    completed = self._complete_row(
+                        padded[row].ravel(), padded_mask[row].ravel(), covariance
+                    )
+                    estimate[row] += hann * completed.reshape(TAPS, -1)
+        return np.where(known, x, (estimates / weights)[:, :frames])
 
     def _complete_row(
         self, z: np.ndarray, is_known: np.ndarray, covariance: np.ndarray
     ) -> np.ndarray:
         """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (TAPS · C,)."""
+        from scipy.linalg import solve  # slow to import
+
         o = np.flatnonzero(is_known)
         weights = np.zeros(len(self.mean))
-        weights[o] = np.linalg.solve(covariance[np.ix_(o, o)], z[o] - self.mean[o])
+        weights[o] = solve(covariance[np.ix_(o, o)], z[o] - self.mean[o], assume_a="pos")
         return self.mean + covariance @ weights
 
     def linear_map(self, p: float) -> np.ndarray:
@@ -108,7 +139,7 @@ class Gaussian:
         middle = slice(TAPS // 2 * size, (TAPS // 2 + 1) * size)
         m = (1 - p) ** 2 * self.second
         np.fill_diagonal(m, (1 - p) * np.diag(self.second))
-        return np.linalg.solve(_with_ridge(m), (1 - p) * self.second[:, middle])
+        return np.linalg.solve(_with_ridge(m, RIDGE), (1 - p) * self.second[:, middle])
 
 
 def apply_linear_map(x: np.ndarray, a: np.ndarray) -> np.ndarray:
@@ -123,9 +154,50 @@ def gather_context(window: np.ndarray) -> np.ndarray:
     return around.swapaxes(-1, -2).reshape(len(window), -1)
 
 
-def _with_ridge(matrix: np.ndarray) -> np.ndarray:
+def _with_ridge(matrix: np.ndarray, ridge: float) -> np.ndarray:
     diagonal = np.diag(matrix)
-    return matrix + RIDGE * diagonal.mean() * np.eye(len(diagonal))
+    return matrix + ridge * diagonal.mean() * np.eye(len(diagonal))
+
+
+def fit_gaussian(
+    windows: np.ndarray, real: np.ndarray, take: np.ndarray, p: float = 0.5, seed: int = 0
+) -> Gaussian:
+    """The Gaussian of windows (N, T, C) with the ridge that completes left-out takes best.
+
+    Every `LEFT_OUT`-th take is left out. A share p of the values of its windows is removed, drawn
+    from the seed, and completed by a Gaussian of the other takes, with each of `RIDGES`. Where
+    nothing can be left out, the ridge is `RIDGE`.
+
+    Parameters
+    ----------
+    windows : (N, T, C) array of float
+        Normalised.
+    real : (N, T) array of bool
+        Frames that count.
+    take : (N,) array of int
+        Number of the take of each window.
+    p : float
+    seed : int
+
+    Returns
+    -------
+    Gaussian
+        Of all windows.
+    """
+    is_left_out = take % LEFT_OUT == LEFT_OUT - 1
+    usable = np.flatnonzero(is_left_out & real.all(axis=1))
+    if not len(usable):
+        return Gaussian(windows, real)
+    chosen = usable[np.linspace(0, len(usable) - 1, min(CHOSEN_ON, len(usable))).astype(int)]
+    x = windows[chosen]
+    known = np.random.default_rng(seed).random(x.shape) >= p
+    gaussian = Gaussian(windows[~is_left_out], real[~is_left_out])
+    errors = {}
+    for gaussian.ridge in RIDGES:
+        errors[gaussian.ridge] = float(np.mean((gaussian.complete(x, known) - x) ** 2))
+    gaussian.ridge = min(errors, key=lambda ridge: errors[ridge])
+    gaussian.add(Gaussian(windows[is_left_out], real[is_left_out]))
+    return gaussian
 
 
 NO_VARIANCE = 1e-11

@@ -2,8 +2,8 @@
 section 7 and figure 1, left), and held-out clips reconstructed by jang2018's network.
 
 Each value of the normalised windows of test takes is set to zero, the value of the mean pose, with
-probability 1/2. Padded frames do not count. The zeros show which values were removed. The first
-methods are given the zeros as they are, as in the paper; the last ones, whose rows begin with
+probability 1/2. No method is given padded frames. The zeros show which values were removed. The
+first methods are given the zeros as they are, as in the paper; the last ones, whose rows begin with
 "mask:", are given which values are missing.
 
 jang2018's network is compared with PCA of whole clips with as many numbers as z has, the mean pose,
@@ -15,15 +15,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import pchip_interpolate
 
 from numpy_cae.evaluation import angle_distance, position_error
-from numpy_cae.evaluation.baselines import PCA, Gaussian, apply_linear_map
+from numpy_cae.evaluation.baselines import PCA, apply_linear_map, fit_gaussian
+from numpy_cae.evaluation.pose_dynamics import PoseDynamics
 from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.completion import interpolate_gaps, zeroed_fraction
-from numpy_cae.motion import AngleSequence, cut_clips, cut_windows
+from numpy_cae.motion import POSITIONS, AngleSequence, cut_clips, cut_windows, joint_slice
 from numpy_cae.training import zero_values
 
 
@@ -102,6 +104,19 @@ class Clips:
         gap = (x[self.real] - self.x[self.real]) / self.manifold.scale  # the mean pose cancels
         return position_error(gap, np.zeros(gap.shape[-1]), joint=joint)
 
+    def squares_by_take(self, x: np.ndarray, joint: str | None = None) -> np.ndarray:
+        """For each take the sum of the squared errors of its windows, cm², and their number: (K, 2)
+        for K takes, of which `error` is the root mean square."""
+        counted = POSITIONS if joint is None else joint_slice(joint)
+        gap = ((x - self.x) / self.manifold.scale)[..., counted]
+        squares = 1e4 * np.square(gap, dtype=np.float64).sum(axis=2)
+        rows = []
+        for number in np.unique(self.take):
+            real = self.real[self.take == number]
+            values = real.sum() * gap.shape[2]
+            rows.append([squares[self.take == number][real].sum(), values])
+        return np.array(rows)
+
     def pick_evenly(self, count: int) -> Clips:
         """At most `count` of the windows, evenly spaced."""
         chosen = np.linspace(0, len(self) - 1, min(count, len(self))).round().astype(int)
@@ -112,7 +127,8 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     """Cut world positions (F, 20, 3) of takes into windows of the manifold's length.
 
     The windows overlap by half, whatever the overlap in training, so that two networks are measured
-    on the same windows. ValueError if there are no takes.
+    on the same windows. A window of a take that is shorter is zero after the last frame that
+    counts; frames that are no whole hidden frame do not count. ValueError if there are no takes.
     """
     if not takes:
         raise ValueError("there are no takes to cut into windows")
@@ -120,8 +136,27 @@ def clips_of(manifold: MotionManifold, takes: Sequence[np.ndarray]) -> Clips:
     cut = [cut_windows(manifold.features(take)[0], length, length // 2) for take in takes]
     x = np.concatenate([manifold.normalise(windows) for windows, _ in cut])
     real = np.concatenate([real for _, real in cut])
+    frames = np.maximum(real.sum(axis=1) // manifold.stride, 1) * manifold.stride
+    real &= np.arange(length) < frames[:, None]
+    x *= real[..., None]
     take = np.repeat(np.arange(len(cut)), [len(windows) for windows, _ in cut])
     return Clips(manifold, x, real, take)
+
+
+def apply_to_real_frames(
+    repair: Callable[..., np.ndarray], real: np.ndarray, *arrays: np.ndarray
+) -> np.ndarray:
+    """What `repair` makes of the frames of windows (N, T, C) that count; zero elsewhere.
+
+    Windows of one length are repaired together. No method is given frames that pad a short take:
+    they repeat a pose, and their values would count as known.
+    """
+    repaired = np.zeros_like(arrays[0])
+    frames = real.sum(axis=1)
+    for count in np.unique(frames):
+        rows = frames == count
+        repaired[rows, :count] = repair(*(array[rows, :count] for array in arrays))
+    return repaired
 
 
 P = 0.5
@@ -140,9 +175,10 @@ LINES = "mask: linear interpolation"
 PCHIP = "mask: monotone cubic (PCHIP)"
 SPLINE = "mask: limited cubic spline"
 GAUSSIAN = "mask: Gaussian of 15 frames"
+DYNAMICS = "mask: Kalman smoother of poses"
 COMPLETED = "mask: completed by the manifold"
 SIMPLE = (PRINCIPAL, LINEAR)
-SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, GAUSSIAN)
+SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, GAUSSIAN, DYNAMICS)
 """SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
 NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
@@ -183,7 +219,9 @@ class Repairs:
         self.manifold = manifold
         fitted = training.pick_evenly(FITTED)
         self.pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
-        self.gaussian = Gaussian(fitted.x, fitted.real)
+        self.gaussian = fit_gaussian(fitted.x, fitted.real, fitted.take)
+        takes = [x[real] for x, real in zip(fitted.x, fitted.real, strict=True)]
+        self.dynamics = PoseDynamics(takes)
 
     def apply(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
         """The name of each method, and what it makes of the undamaged windows and of the damaged
@@ -191,20 +229,34 @@ class Repairs:
         x = test.x
         yield DAMAGED, x, damaged
         yield MEAN, 0 * x, 0 * x
-        divided = damaged / (1 - zeroed_fraction(damaged))
+        divided = apply_to_real_frames(_divide, test.real, damaged)
         size = min(SIZES, key=lambda n: test.error(self.pca.project(divided, n)))
         yield PRINCIPAL, self.pca.project(x, size), self.pca.project(divided, size)
         a = self.gaussian.linear_map(p)
         yield LINEAR, apply_linear_map((1 - p) * x, a), apply_linear_map(damaged, a)
-        project = self.manifold.project_windows
-        yield NETWORK, project(x), project(damaged)
-        yield AVERAGED, project(x, average_shifts=True), project(damaged, average_shifts=True)
+        for name, average in ((NETWORK, False), (AVERAGED, True)):
+            project = partial(self.manifold.project_windows, average_shifts=average)
+            projected = apply_to_real_frames(project, test.real, x)
+            yield name, projected, apply_to_real_frames(project, test.real, damaged)
         known = damaged != 0
-        yield LINES, x, interpolate_columns(damaged, known, np.interp)
-        yield PCHIP, x, interpolate_columns(damaged, known, _pchip)
-        yield SPLINE, x, interpolate_gaps(damaged, known)
-        yield GAUSSIAN, x, self.gaussian.complete(damaged, known)
-        yield COMPLETED, x, self.manifold.complete_windows(damaged, known)
+        for name, complete in self.methods_with_mask().items():
+            yield name, x, apply_to_real_frames(complete, test.real, damaged, known)
+
+    def methods_with_mask(self) -> dict[str, Callable[..., np.ndarray]]:
+        """The methods that are given windows (N, T, 63) and the mask of what is known."""
+        return {
+            LINES: partial(interpolate_columns, curve=np.interp),
+            PCHIP: partial(interpolate_columns, curve=_pchip),
+            SPLINE: interpolate_gaps,
+            GAUSSIAN: self.gaussian.complete,
+            DYNAMICS: self.dynamics.complete,
+            COMPLETED: self.manifold.complete_windows,
+        }
+
+
+def _divide(damaged: np.ndarray) -> np.ndarray:
+    """Damaged windows, divided by the share of values that is left."""
+    return damaged / (1 - zeroed_fraction(damaged))
 
 
 def interpolate_columns(

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.evaluation.tables import Table
@@ -19,36 +19,66 @@ if TYPE_CHECKING:
     from numpy_cae.viz.actor import Actor, Motions
 
 
-STATEMENTS: dict[str, dict[str, str]] = {
+STATEMENTS: dict[str, dict[str, Any]] = {
     statement["key"]: statement
     for statement in json.loads(Path(__file__).with_name("statements.json").read_text("utf-8"))
 }
 """The statements that studies test, of the papers in their order and of this project: key to
-sentence, source, and when it is confirmed."""
+sentence, source, when it is confirmed, opponents, takes, seeds and spread."""
+
+
+CONFIRMED = "confirmed"
+REFUTED = "refuted"
+NO_DIFFERENCE = "no difference"
+NOT_DISTINCTIVE = "not distinctive"
+BY_CONSTRUCTION = "by construction"
+VERDICTS = {
+    CONFIRMED: "the rule is fulfilled, and by no opponent",
+    REFUTED: "the rule is not fulfilled",
+    NO_DIFFERENCE: "the takes or the seeds do not decide: the bound is within the spread",
+    NOT_DISTINCTIVE: "an untrained network or a method of ten lines fulfils the rule too",
+    BY_CONSTRUCTION: "it follows from how the network is computed: a test, no finding",
+}
+"""Verdict to what it says."""
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One of `STATEMENTS`, and whether the measurement confirms it.
+    """One of `STATEMENTS`, and whether the measurement fulfils its rule.
 
     Parameters
     ----------
     key : str
         Of the statement.
-    confirmed : bool
+    fulfilled : bool or None
+        Whether the rule is fulfilled; None where the spread over takes or seeds does not decide.
     figures : str
         The measured figures that decide, in a sentence.
     of : str
         Of what it was measured, such as a source of motion, where there are several.
     opponent : str
-        The same figures of the strongest simple opponent.
+        The same figures of the strongest simple opponent, in a sentence.
+    fulfilled_by : str
+        The opponent that fulfils the rule too, where there is one.
     """
 
     key: str
-    confirmed: bool
+    fulfilled: bool | None
     figures: str
     of: str = ""
     opponent: str = ""
+    fulfilled_by: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """One of `VERDICTS`."""
+        if self.fulfilled is None:
+            return NO_DIFFERENCE
+        if not self.fulfilled:
+            return REFUTED
+        if STATEMENTS[self.key].get("by construction"):
+            return BY_CONSTRUCTION
+        return NOT_DISTINCTIVE if self.fulfilled_by else CONFIRMED
 
     @property
     def statement(self) -> str:
@@ -132,8 +162,7 @@ def text(result: Result) -> str:
     """The title, the tables in Markdown's form, the note, the claims and the provenance."""
     claims = []
     for claim in result.claims:
-        verdict = "confirmed" if claim.confirmed else "not confirmed"
-        claims.append(f"{verdict}: {claim.sentence} Measured: {measured(claim)}")
+        claims.append(f"{claim.verdict}: {claim.sentence} Measured: {measured(claim)}")
     tables = [table.text() for table in result.tables]
     provenance = [f"{name}: {value}" for name, value in result.provenance.items()]
     parts = [result.title, result.about, *tables, result.note]
@@ -142,10 +171,11 @@ def text(result: Result) -> str:
 
 
 def measured(claim: Claim) -> str:
-    """The figures, and those of the opponent."""
-    if claim.opponent:
-        return f"{claim.figures} {claim.opponent}"
-    return claim.figures
+    """The figures, those of the opponent, and the opponent that fulfils the rule too."""
+    parts = [claim.figures, claim.opponent]
+    if claim.fulfilled and claim.fulfilled_by:
+        parts.append(f"The rule is also fulfilled by {claim.fulfilled_by}.")
+    return " ".join(part for part in parts if part)
 
 
 def data(result: Result) -> dict:
@@ -154,7 +184,9 @@ def data(result: Result) -> dict:
     for table in result.tables:
         rows = [[_in_json(cell) for cell in row] for row in table.rows]
         tables.append({"caption": table.caption, "header": table.header, "rows": rows})
-    claims = [vars(claim) | {"sentence": claim.sentence} for claim in result.claims]
+    claims = []
+    for claim in result.claims:
+        claims.append(vars(claim) | {"verdict": claim.verdict, "sentence": claim.sentence})
     texts = {name: getattr(result, name) for name in ("title", "about", "note")}
     return texts | {"tables": tables, "claims": claims, "provenance": dict(result.provenance)}
 

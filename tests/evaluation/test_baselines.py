@@ -7,8 +7,15 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from numpy_cae.evaluation import PCA, baselines
-from numpy_cae.evaluation.baselines import Gaussian, apply_linear_map, gather_context
-from numpy_cae.evaluation.tables import interpolate_columns
+from numpy_cae.evaluation.baselines import (
+    Gaussian,
+    apply_linear_map,
+    fit_gaussian,
+    gather_context,
+)
+from numpy_cae.evaluation.joint_ridge import JointRidge
+from numpy_cae.evaluation.pose_dynamics import PoseDynamics
+from numpy_cae.evaluation.tables import apply_to_real_frames, interpolate_columns
 from numpy_cae.manifold.completion import interpolate_gaps
 
 
@@ -32,7 +39,6 @@ def test_the_axes_are_those_of_a_singular_value_decomposition(shape):
 def windows(monkeypatch):
     """Smooth and correlated, like motion: sums of slow waves; rows of three frames, no ridge."""
     monkeypatch.setattr(baselines, "TAPS", 3)
-    monkeypatch.setattr(baselines, "MIDDLE", 1)
     monkeypatch.setattr(baselines, "RIDGE", 0.0)
     rng = np.random.default_rng(0)
     t = np.arange(40) / 40
@@ -56,7 +62,7 @@ def test_the_linear_map_solves_the_normal_equations_over_all_masks(windows):
     assert padded_with_zeros.ravel().tolist() == [12, 123, 230]
 
 
-def test_the_gaussian_estimates_the_conditional_mean_of_seven_frames_in_fifteen():
+def test_the_gaussian_averages_conditional_means_of_overlapping_rows():
     rng = np.random.default_rng(1)
     x = np.cumsum(rng.normal(size=(60, 23, 2)), axis=1)
     fitted = Gaussian(x, np.ones((60, 23), bool))
@@ -66,19 +72,109 @@ def test_the_gaussian_estimates_the_conditional_mean_of_seven_frames_in_fifteen(
     covariance = np.cov(rows.T, bias=True)
     covariance += baselines.RIDGE * np.diag(covariance).mean() * np.eye(30)
     known = rng.random((23, 2)) < 0.5
-    known[15:] = True
-    expected = x[0].copy()
-    for start in (0, 7, 14):
-        o = [(t, c) for t in range(start - 4, start + 11) for c in (0, 1) if 0 <= t < 23]
-        o = [(t, c) for t, c in o if known[t, c]]
-        at = [2 * (t - start + 4) + c for t, c in o]
-        gap = np.array([x[0, t, c] for t, c in o]) - mean[at]
-        weights = np.linalg.solve(covariance[np.ix_(at, at)], gap)
-        for t, c in np.argwhere(~known[start : start + 7]) + [start, 0]:
-            place = 2 * (t - start + 4) + c
-            expected[t, c] = mean[place] + covariance[place, at] @ weights
+    totals = np.zeros((23, 2))
+    weights = np.zeros((23, 1))
+    hann = np.sin(np.pi * (np.arange(15) + 0.5) / 15)[:, None] ** 2
+    for start in (0, 5, 8):
+        o = np.flatnonzero(known[start : start + 15])
+        gap = x[0, start : start + 15].ravel()[o] - mean[o]
+        row = mean + covariance[:, o] @ np.linalg.solve(covariance[np.ix_(o, o)], gap)
+        totals[start : start + 15] += hann * row.reshape(15, 2)
+        weights[start : start + 15] += hann
+    expected = np.where(known, x[0], totals / weights)
     completed = fitted.complete(np.where(known, x[:1], 99), known[None])[0]
     np.testing.assert_allclose(completed, expected, atol=1e-6)
+
+
+def test_the_gaussian_completes_a_window_shorter_than_a_row():
+    x = np.cumsum(np.random.default_rng(1).normal(size=(60, 23, 2)), axis=1)
+    fitted = Gaussian(x, np.ones((60, 23), bool))
+    known = np.ones((1, 8, 2), bool)
+    known[0, 3, 1] = False
+    completed = fitted.complete(np.where(known, x[:1, :8], 99), known)
+    assert abs(completed[0, 3, 1] - x[0, 3, 1]) < 2
+
+
+def test_the_ridge_is_the_best_on_takes_left_out():
+    """Of noisy values a larger ridge is better than of values without noise."""
+    rng = np.random.default_rng(2)
+    t = np.arange(40) / 40
+    phases = rng.random((50, 1))
+    clean = np.stack([np.sin(2 * np.pi * (k * t + phases)) for k in (1, 2, 3)], axis=-1)
+    noisy = clean + rng.normal(size=clean.shape)
+    real = np.ones(clean.shape[:2], bool)
+    fit = [fit_gaussian(x, real, np.arange(50)).ridge for x in (clean, noisy)]
+    assert fit[0] < fit[1]
+
+
+def test_without_a_take_to_leave_out_the_ridge_is_the_default():
+    x = np.cumsum(np.random.default_rng(1).normal(size=(2, 23, 2)), axis=1)
+    assert fit_gaussian(x, np.ones((2, 23), bool), np.arange(2)).ridge == baselines.RIDGE
+
+
+def test_the_kalman_smoother_is_the_conditional_mean():
+    """Of all states and known values at once, in one large Gaussian."""
+    rng = np.random.default_rng(3)
+    takes = [np.cumsum(rng.normal(size=(60, 4)), axis=0) @ rng.normal(size=(4, 4)) for _ in "abc"]
+    model = PoseDynamics(takes, components=2)
+    frames = 6
+    size = len(model.transition)
+    step = np.zeros((size, size))
+    step[:2, :2] = np.diag(model.excitation)
+    states = np.zeros((frames * size, frames * size))
+    spread = model.start
+    for t in range(frames):
+        row = spread
+        for later in range(t, frames):
+            states[t * size : (t + 1) * size, later * size : (later + 1) * size] = row
+            states[later * size : (later + 1) * size, t * size : (t + 1) * size] = row.T
+            row = row @ model.transition.T
+        spread = model.transition @ spread @ model.transition.T + step
+    seen = np.zeros((4, size))
+    seen[:, :2] = model.axes.T
+    emit = np.kron(np.eye(frames), seen)
+    values = emit @ states @ emit.T + np.kron(np.eye(frames), np.diag(model.noise))
+    x = takes[0][:frames]
+    known = rng.random(x.shape) < 0.6
+    o = np.flatnonzero(known)
+    gap = (x - model.mean).ravel()[o]
+    state = states @ emit.T[:, o] @ np.linalg.solve(values[np.ix_(o, o)], gap)
+    expected = np.where(known, x, model.mean + (emit @ state).reshape(x.shape))
+    completed = model.complete(np.where(known, x, 99)[None], known[None])[0]
+    np.testing.assert_allclose(completed, expected, rtol=1e-5, atol=1e-5)
+
+
+def test_the_regression_of_joints_finds_a_linear_relation():
+    rng = np.random.default_rng(4)
+    takes = [rng.normal(size=(30, 4)) for _ in range(6)]
+    for take in takes:
+        before = take[[0, *range(29)], 1]
+        take[:, 3] = 2 * take[:, 0] - before + 5
+    fitted = JointRidge.fit(takes, np.array([3]), lags=(0, -1))
+    np.testing.assert_allclose(fitted.predict(takes[0])[:, 0], takes[0][:, 3], atol=1e-3)
+
+
+def test_the_regression_of_joints_does_not_read_what_is_hidden():
+    rng = np.random.default_rng(4)
+    takes = [rng.normal(size=(30, 4)) for _ in range(6)]
+    fitted = JointRidge.fit(takes, np.array([3]))
+    hidden = takes[0].copy()
+    hidden[:, 3] = np.nan
+    np.testing.assert_array_equal(fitted.predict(hidden), fitted.predict(takes[0]))
+
+
+def test_no_method_is_given_frames_that_pad_a_take():
+    lengths = []
+    real = np.arange(8) < np.array([[8], [5], [8]])
+    x = np.arange(24.0).reshape(3, 8, 1)
+
+    def repair(part):
+        lengths.append(part.shape[:2])
+        return part + 1
+
+    repaired = apply_to_real_frames(repair, real, x)
+    assert sorted(lengths) == [(1, 5), (2, 8)]
+    np.testing.assert_array_equal(repaired[..., 0], np.where(real, x[..., 0] + 1, 0))
 
 
 @given(seed=st.integers(0, 2**32 - 1))

@@ -53,8 +53,8 @@ def test_figure_2_tests_the_trend(studies):
     assert result.tables[0].value(row, "first tenth") == np.mean(error[:2])
     assert result.tables[0].value(row, "last tenth") == np.mean(error[-2:])
     assert result.tables[0].value(row, "τ") == pytest.approx(-1)
-    assert [claim.confirmed for claim in result.claims] == [True, True]
-    assert [claim.confirmed for claim in training.figure_2([one, other]).claims] == [False, True]
+    assert [claim.fulfilled for claim in result.claims] == [True, True]
+    assert [claim.fulfilled for claim in training.figure_2([one, other]).claims] == [False, True]
     assert len(png(result.figures["figure_2"])) > 1000
 
 
@@ -82,7 +82,7 @@ def test_reconstruction_beside_simpler_methods(studies, monkeypatch):
     assert errors[HELD] == pytest.approx(np.mean((x - x[:, :1]).astype(float) ** 2), rel=1e-5)
     assert errors[NETWORK] == pytest.approx(studies[0].squared_error())
     assert errors[BY_PCA] < errors[MEAN]
-    assert result.claims[0].confirmed == (errors[NETWORK] < errors[BY_PCA])
+    assert result.claims[0].fulfilled == (errors[NETWORK] < errors[BY_PCA])
 
 
 def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
@@ -105,7 +105,7 @@ def test_the_regulariser_with_and_without(studies, monkeypatch):
     rows = {name: f"{action.name}: {name}" for name in trained}
     errors = {name: result.tables[0].value(row, "mean square") for name, row in rows.items()}
     assert errors == {name: each[0].squared_error() for name, each in trained.items()}
-    assert result.claims[1].confirmed == (errors["sliced Wasserstein"] < errors["none, λ = 0"])
+    assert result.claims[1].fulfilled == (errors["sliced Wasserstein"] < errors["none, λ = 0"])
     assert type(other.manifold.network) is type(free.manifold.network)
 
 

@@ -53,7 +53,7 @@ def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):
     names = (EQUATION_4, EUCLIDEAN, comparison.RAW_EXTREMES, untrained, comparison.PRINCIPAL)
     average = {"content": dict.fromkeys(names, 0.5) | {EQUATION_4: 0.75, untrained: 0.75}}
     claims = comparison._claims(average)
-    assert [claim.confirmed for claim in claims] == [True, True, False, True]
+    assert [claim.fulfilled for claim in claims] == [True, True, False, True]
     assert "0.75 against 0.50" in claims[0].figures and "content +0.25" in claims[1].figures
     with pytest.raises(ValueError, match="labelled takes"):
         comparison.run(small_manifold, Material(labelled.training, []))

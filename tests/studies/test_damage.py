@@ -59,5 +59,5 @@ def test_claims_compare_with_the_best_curve(result_of):
     shares = [value for row in found.rows for value in row[1:] if value is not None]
     assert found.value(damage.RECALL, "twisted leg") > 0 and 0 <= min(shares) <= max(shares) <= 100
     (claim,) = result.claims
-    assert claim.confirmed == all(row[-1] <= damage.PARTS["wrist"][1] for row in ratios.rows)
+    assert claim.fulfilled == all(row[-1] <= damage.PARTS["wrist"][1] for row in ratios.rows)
     assert all(row[-1] == max(row[1:-1]) for row in ratios.rows)

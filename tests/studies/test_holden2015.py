@@ -56,9 +56,9 @@ def test_a_claim_is_confirmed_if_all_measures_are_better():
     measured = {ENDS: Validity(0, 0, 4, 0), ALONG: Validity(1, 1, 3, 1)}
     measured[STRAIGHT] = Validity(2, 2, 9, 2)
     claim = interpolation._claim("walks", measured)
-    assert claim.confirmed and "on 4 of 4 measures" in claim.figures
+    assert claim.fulfilled and "on 4 of 4 measures" in claim.figures
     measured[STRAIGHT] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
-    assert not interpolation._claim("walks", measured).confirmed
+    assert not interpolation._claim("walks", measured).fulfilled
     worse = interpolation._claim("walks", measured | {ALONG: measured[STRAIGHT]})
     assert "0 of 4 measures (none)" in worse.figures
 
@@ -68,4 +68,4 @@ def test_sampling_measures_priors_beside_real_motion(result_of):
     assert table.value("test takes", BONES) < table.value("uniform prior", BONES)
     assert table.value("uniform prior", NEAREST) > table.value("fitted prior", NEAREST)
     uniform, fitted = result_of("sampling").claims
-    assert not uniform.confirmed and "fitted to encoded motion" in fitted.sentence
+    assert not uniform.fulfilled and "fitted to encoded motion" in fitted.sentence

@@ -46,7 +46,7 @@ def test_a_clean_file_is_not_changed(result):
 
 def test_the_claim_counts_the_files(result):
     claim = result.claims[-1]
-    assert claim.confirmed
+    assert claim.fulfilled
     assert "1 refused and 1 damaged, of these 1 helped, 0 harmed" in claim.figures
 
 

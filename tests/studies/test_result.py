@@ -3,7 +3,7 @@
 import pytest
 from matplotlib.figure import Figure
 
-from studies.shared.result import Claim, Picture, Result, Table, report, text
+from studies.shared.result import STATEMENTS, Claim, Picture, Result, Table, report, text
 
 CLAIMS = [
     Claim("half_recovered", True, "3 against 4 cm.", "takes <of> & more"),
@@ -39,9 +39,30 @@ def test_the_text_has_tables_note_and_provenance(part):
 @pytest.mark.parametrize(
     "sentence",
     [
-        "confirmed if it is better on every measure). Measured: 5 cm.",
-        "confirmed if less than half of the error remains): takes <of> & more.",
+        "sliding, jitter (nearer to the two motions'), nearest pose). Measured: 5 cm.",
+        "confirmed if at most a tenth of the squared error remains): takes <of> & more.",
     ],
 )
 def test_the_text_of_a_claim_has_its_rule_and_its_figures(sentence):
     assert sentence in text(RESULT)
+
+
+@pytest.mark.parametrize(
+    ("key", "fulfilled", "fulfilled_by", "verdict"),
+    [
+        ("half_recovered", True, "", "confirmed"),
+        ("half_recovered", False, "a line", "refuted"),
+        ("half_recovered", None, "a line", "no difference"),
+        ("half_recovered", True, "a line", "not distinctive"),
+        ("sizes", True, "", "by construction"),
+        ("sizes", False, "", "refuted"),
+    ],
+)
+def test_the_verdict(key, fulfilled, fulfilled_by, verdict):
+    assert Claim(key, fulfilled, "1.", fulfilled_by=fulfilled_by).verdict == verdict
+
+
+def test_each_statement_has_its_rule_before_it_is_measured():
+    for statement in STATEMENTS.values():
+        assert {"confirmed if", "opponents", "takes", "seeds", "spread"} < set(statement)
+        assert statement["confirmed if"]

@@ -1,0 +1,99 @@
+"""Whether a measured figure fulfils a rule, with the spread over takes.
+
+The spread is that of the bootstrap (Efron 1979): the figure is computed again from as many takes,
+drawn with replacement. Its interval has 95% of `DRAWS` such figures. A rule "at most b" is
+fulfilled where the whole interval is at most b, and not fulfilled where the whole interval is above
+b. Where b is inside, the takes do not decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+DRAWS = 1000
+"""Samples of takes, with replacement."""
+COVERED = (2.5, 97.5)
+"""The ends of the interval, in percent of the samples."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A figure of all takes, and the ends of its interval."""
+
+    value: float
+    low: float
+    high: float
+
+    def __format__(self, form: str) -> str:
+        return f"{self.value:{form}} ({self.low:{form}} to {self.high:{form}})"
+
+    def at_most(self, bound: float) -> bool | None:
+        """Whether the figure is at most the bound; None where the takes do not decide."""
+        if self.high <= bound:
+            return True
+        return False if self.low > bound else None
+
+    def above(self, bound: float) -> bool | None:
+        """Whether the figure is above the bound; None where the takes do not decide."""
+        return negate(self.at_most(bound))
+
+
+def bootstrap(figure: Callable[..., float], *columns: np.ndarray, seed: int = 0) -> Interval:
+    """A figure of numbers of takes, columns with a row for each take, and its interval."""
+    count = len(columns[0])
+    rng = np.random.default_rng(seed)
+    figures = []
+    for _ in range(DRAWS):
+        drawn = rng.integers(count, size=count)
+        figures.append(figure(*(column[drawn] for column in columns)))
+    low, high = np.percentile(figures, COVERED)
+    return Interval(float(figure(*columns)), float(low), float(high))
+
+
+def mean_of(values: np.ndarray) -> Interval:
+    """The mean of a number of each take."""
+    return bootstrap(np.mean, np.asarray(values, dtype=np.float64))
+
+
+def ratio_of_means(ours: np.ndarray, theirs: np.ndarray) -> Interval:
+    """The mean of a number of each take, divided by the mean of another one of the same takes."""
+
+    def ratio(ours: np.ndarray, theirs: np.ndarray) -> float:
+        return float(ours.mean() / max(theirs.mean(), 1e-12))
+
+    return bootstrap(ratio, np.asarray(ours, float), np.asarray(theirs, float))
+
+
+def root_mean_square(squares: np.ndarray) -> float:
+    """The root mean square of rows (sum of squares, number of values)."""
+    return float(np.sqrt(squares[:, 0].sum() / squares[:, 1].sum()))
+
+
+def ratio_of_errors(ours: np.ndarray, theirs: np.ndarray) -> Interval:
+    """The error of a method divided by that of another one, from `Clips.squares_by_take`."""
+
+    def ratio(ours: np.ndarray, theirs: np.ndarray) -> float:
+        return root_mean_square(ours) / root_mean_square(theirs)
+
+    return bootstrap(ratio, ours, theirs)
+
+
+def all_of(*fulfilled: bool | None) -> bool | None:
+    """Whether all parts of a rule are fulfilled: not where one is not, and undecided where one
+    is undecided."""
+    if False in fulfilled:
+        return False
+    return None if None in fulfilled else True
+
+
+def agreed(fulfilled: list[bool | None]) -> bool | None:
+    """What all seeds say; None where they differ."""
+    return fulfilled[0] if len(set(fulfilled)) == 1 else None
+
+
+def negate(fulfilled: bool | None) -> bool | None:
+    """The opposite, where it is decided."""
+    return None if fulfilled is None else not fulfilled
