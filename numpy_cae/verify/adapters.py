@@ -1,4 +1,4 @@
-"""Layers of other forms as operations: an object with forward and backward, or a cache."""
+"""Layers of other forms as operations: a cache, complex numbers, or an object with methods."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -42,6 +42,66 @@ def of_cache(forward: Callable, backward: Callable) -> Callable:
 
     operation.__wrapped__ = backward  # type: ignore[attr-defined]
     return operation
+
+
+def of_complex(f: Callable, real_arguments: Sequence[int] = ()) -> Callable:
+    """An operation of real arrays from one of complex arrays: each number becomes a pair.
+
+    A pair is an additional last axis of length 2, with the real and the imaginary part, as in
+    shapes={"x": "batch frames 2"}. A value that is real stays as it is.
+
+    Parameters
+    ----------
+    f : (*arrays) -> (value, pullback)
+        Of complex arrays. For a real loss L the gradient of x is dL/d(Re x) + i dL/d(Im x), as
+        PyTorch has it; that of JAX is its conjugate.
+    real_arguments : sequence of int
+        The positions of arguments that are real arrays and no pairs.
+
+    Returns
+    -------
+    callable
+        (*arrays) -> (value, pullback)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from numpy_cae import verify
+    >>> square = verify.of_complex(lambda z: (z * z, lambda dy: 2 * np.conj(z) * dy))
+    >>> verify.check_gradients(square, np.array([[1.0, 2.0], [0.5, -1.0]]))
+    """
+
+    def operation(*arrays: np.ndarray) -> tuple[np.ndarray, Callable]:
+        arguments = []
+        for place, array in enumerate(arrays):
+            arguments.append(array if place in real_arguments else _complex_of_pairs(array))
+        value, pullback = f(*arguments)
+        is_complex = np.iscomplexobj(value)
+
+        def pullback_of_pairs(dy: np.ndarray) -> Any:
+            pulled = pullback(_complex_of_pairs(dy) if is_complex else dy)
+            if not isinstance(pulled, tuple):
+                return pulled if 0 in real_arguments else _pairs_of_complex(pulled)
+            gradients = []
+            for place, gradient in enumerate(pulled):
+                is_real = place in real_arguments
+                gradients.append(gradient if is_real else _pairs_of_complex(gradient))
+            return tuple(gradients)
+
+        return _pairs_of_complex(value) if is_complex else value, pullback_of_pairs
+
+    operation.__wrapped__ = f  # type: ignore[attr-defined]
+    return operation
+
+
+def _complex_of_pairs(pairs: np.ndarray) -> np.ndarray:
+    """Complex numbers from pairs along the last axis."""
+    return pairs[..., 0] + 1j * pairs[..., 1]
+
+
+def _pairs_of_complex(numbers: np.ndarray) -> np.ndarray:
+    """The real and the imaginary parts along an additional last axis."""
+    return np.stack([np.real(numbers), np.imag(numbers)], axis=-1)
 
 
 def of_layer(

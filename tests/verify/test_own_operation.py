@@ -280,3 +280,48 @@ def test_the_dot_test_is_a_property_of_a_linear_operator(dtype):
     assert "adjoint in a" in names and "adjoint in x" in names
     assert failing(product_with(np.transpose), shapes, **options) == []
     assert "adjoint in x" in failing(product_with(np.array), shapes, **options)
+
+
+def weighted(x, gain):
+    rows = tuple(range(x.ndim - 1))
+    return x * gain, lambda dy: (dy * gain, np.sum(dy * x, axis=rows))
+
+
+WEIGHTED = {"x": "... channels", "gain": "channels"}
+
+
+def test_only_the_properties_that_are_named_are_returned():
+    stated = verify.properties_of(weighted, WEIGHTED, only=["purity", "gradient for gain"])
+    assert [prop.name for prop in stated] == ["gradient for gain", "purity"]
+
+
+def test_a_property_in_only_that_does_not_exist_is_refused():
+    with pytest.raises(ValueError, match="has no gradient for w"):
+        verify.properties_of(weighted, WEIGHTED, only=["gradient for w"])
+
+
+def test_empty_arrays_and_arrays_without_axes_are_drawn():
+    empty = ["channels", "..."]
+    names = ["empty in channels", "without axes"]
+    assert failing(weighted, WEIGHTED, empty=empty, only=names) == []
+
+
+def test_a_mean_over_nothing_is_found():
+    def mean(x):
+        return np.mean(x, axis=0), lambda dy: np.broadcast_to(dy / len(x), x.shape)
+
+    shapes = {"x": "batch channels"}
+    with np.errstate(invalid="ignore"), pytest.warns(RuntimeWarning):
+        assert failing(mean, shapes, empty=["batch"]) == ["empty in batch"]
+
+
+def test_an_operation_that_needs_an_axis_is_found():
+    def first(x):
+        return x[:1], lambda dy: np.concatenate([dy, np.zeros_like(x[1:])])
+
+    assert failing(first, {"x": "..."}, empty=["..."]) == ["without axes"]
+
+
+def test_a_size_in_empty_that_does_not_exist_is_refused():
+    with pytest.raises(ValueError, match="shapes has no batch"):
+        verify.properties_of(weighted, {"x": "rows", "gain": "rows"}, empty=["batch"])

@@ -97,7 +97,7 @@ def check_gradients(
         ...
     """
     rng = np.random.default_rng(0) if rng is None else rng
-    names = tuple(names) if names is not None else _names(f, len(inputs))
+    names = tuple(names) if names is not None else names_of_arguments(f, len(inputs))
     problems = find_wrong_gradients(f, inputs, names, rng, tolerance, only)
     if problems:
         lines = [str(problems[0])]
@@ -399,7 +399,7 @@ def _trace(
     return index, Verdict(verdict.kind, numeric, analytic, jump, verdict.rates)
 
 
-def _names(f: Callable, count: int) -> tuple[str, ...]:
+def names_of_arguments(f: Callable, count: int) -> tuple[str, ...]:
     """The names of f's arguments, or their positions if the signature of f does not name them."""
     named: list[str] = []
     with suppress(TypeError, ValueError):

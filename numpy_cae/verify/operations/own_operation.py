@@ -9,6 +9,7 @@ import numpy as np
 
 from numpy_cae.verify.checks.calls import is_value_and_pullback
 from numpy_cae.verify.operations.case import Sizes, simplest_case
+from numpy_cae.verify.operations.empty_arrays import ANY_AXES, state_empty_arrays
 from numpy_cae.verify.operations.operation import Operation
 from numpy_cae.verify.operations.property import Property
 from numpy_cae.verify.operations.shapes import (
@@ -50,6 +51,8 @@ def properties_of(
     linear: bool = False,
     cases: int | None = None,
     nondeterminism: float = 0.0,
+    only: Sequence[str] = (),
+    empty: Sequence[str] = (),
     seed: int = 0,
 ) -> tuple[Property, ...]:
     """What must hold of an operation of one's own: the properties that `numpy_cae.ops` has.
@@ -91,6 +94,11 @@ def properties_of(
     nondeterminism : float, optional
         By how much repeated results may differ, relative to the largest entry, as those of an
         iterative solver do; by default by rounding.
+    only : sequence of str, optional
+        The names of the properties to be returned, such as "gradient for x"; by default all.
+    empty : sequence of str, optional
+        The names of sizes that may be 0, such as "batch", each a property "empty in batch"; with
+        "..." there may also be no axis in its place, a property "without axes".
     seed : int, optional
         Of the random cases.
 
@@ -101,9 +109,9 @@ def properties_of(
     Raises
     ------
     ValueError
-        If `sizes`, `values` or `differentiable` name something that `shapes` does not have, if
-        `skip` or `marks` name no property, if a size cannot be read or has a name in use, or if
-        `cases` is below 1.
+        If `sizes`, `values`, `differentiable` or `empty` name something that `shapes` does not
+        have, if `skip`, `only` or `marks` name no property, if a size cannot be read or has a name
+        in use, or if `cases` is below 1.
 
     Examples
     --------
@@ -127,6 +135,10 @@ def properties_of(
     _require_sizes(name, shapes)
     known_names = [*shapes, *names_in(shapes), *leading_axes(shapes)]
     _require_known(name, "shapes", {*sizes, *values, *(differentiable or ())}, known_names)
+    sizes_that_vary = names_in(shapes)
+    if "..." in " ".join(shapes.values()):
+        sizes_that_vary.append(ANY_AXES)
+    _require_known(name, "shapes", {*empty}, sizes_that_vary)
     dtype = np.float32 if tuple(dtypes) == ("float32",) else np.float64
     arguments = arguments_of(shapes, {**dict.fromkeys(shapes, RANGE), **values}, dtype)
     all_sizes = {**_default_sizes(shapes), "values": tuple(VALUES), **_as_tuples(sizes)}
@@ -140,9 +152,12 @@ def properties_of(
         linear_in=operation.differentiated if linear else (),
     )
     stated = list(shared_properties(operation))
+    stated += [state_empty_arrays(operation, size) for size in empty]
     property_names = [prop.name for prop in stated]
-    _require_known(name, "the list of properties", {*skip, *marks}, property_names)
+    _require_known(name, "the list of properties", {*skip, *only, *marks}, property_names)
     left_out = {*skip} if tuple(dtypes) == DTYPES else {*skip, "dtype"}
+    if only:
+        left_out |= {*property_names} - {*only}
     if cases is not None and cases < 1:
         raise ValueError(f"{name}: cases is {cases}, expected at least 1")
     return tuple(
