@@ -10,6 +10,7 @@ import pytest
 from numpy_cae.evaluation import tables
 from studies.__main__ import NAMES, main
 from studies.jang2018 import samples, training
+from studies.shared.result import VERDICTS
 
 TINY = "--test *_3.bvh --hidden 6 --latent 3 --epochs 1 --steps 2 --batch 4 --frames 20".split()
 
@@ -101,7 +102,8 @@ def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys
     printed, report = capsys.readouterr(), (out / "report.md").read_text(encoding="utf-8")
     action = folder.name
     assert f"{action}, none, λ = 0\n" in printed.err and "sequences, epoch 1/1" in printed.err
-    assert len(re.findall("^(not )?confirmed: .* Measured: ", printed.out, re.MULTILINE)) > 3
-    assert report.count("confirmed:") == len(re.findall("confirmed: .* Meas", printed.out))
+    verdict = f"^({'|'.join(VERDICTS)}): .* Measured: "
+    judged = len(re.findall(verdict, printed.out, re.MULTILINE))
+    assert judged > 3 and judged == len(re.findall(verdict, report, re.MULTILINE))
     drawn = {f"{action}_fitted.{ending}" for ending in ("png", "html")}
     assert {"figure_2.png", *drawn} <= {path.name for path in out.iterdir()}
