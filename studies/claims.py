@@ -38,7 +38,7 @@ DEPTH_EPOCHS = 2
 PAPER = "the paper's"
 BEST = "best"
 BOTH = ""
-HEADER = ("statement", "network", "measured", "strongest simple opponent", "confirmed")
+HEADER = ("statement", "network", "measured", "strongest simple opponent", "verdict")
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,7 @@ class JudgedClaim:
     def row(self) -> list[object]:
         """The row of the table."""
         claim = self.claim
-        verdict = "yes" if claim.confirmed else "no"
-        return [claim.statement, self.network, claim.figures, claim.opponent, verdict]
+        return [claim.statement, self.network, claim.figures, claim.opponent, claim.verdict]
 
     def named(self) -> Claim:
         """The claim, which says of which network it is."""

@@ -22,6 +22,7 @@ from numpy_cae.evaluation.tables import Clips, Repairs, clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
+from studies.shared.judging import ratio_of_errors, root_mean_square
 from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Picture, Result, Table, moving
 
@@ -41,23 +42,41 @@ Errors = dict[str, np.ndarray]
 """Method to its errors in cm, one for each p and each seed."""
 
 
-def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Remove values of test windows, drawn from the seed, and repair them with every method."""
+def run(
+    manifold: MotionManifold, material: Material, seed: int = 0, shares: tuple[float, ...] = PS
+) -> Result:
+    """Remove shares of the values of test windows, drawn from the seed, and repair them with every
+    method."""
     training = clips_of(manifold, [take.positions for take in material.training])
     testing, _ = testing_of(manifold, material)
+    test = testing.pick_evenly(WINDOWS)
     repairs = Repairs(manifold, training)
-    errors = sweep(repairs, testing.pick_evenly(WINDOWS), PS, [seed])
-    rows = [[method, *of_method.mean(axis=1)] for method, of_method in errors.items()]
-    header = ["method", *(f"p = {p}" for p in PS)]
-    of_half = {}
-    for method, of_method in errors.items():
-        of_half[method] = float(of_method[PS.index(tables.P)].mean())
+    errors: dict[str, list[float]] = defaultdict(list)
+    claims: list[Claim] = []
+    for p in shares:
+        squares = _squares(repairs, test, p, seed)
+        for method, of_takes in squares.items():
+            errors[method].append(root_mean_square(of_takes))
+        if p == tables.P:
+            claims = _claims(squares)
+    rows = [[method, *of_method] for method, of_method in errors.items()]
+    header = ["method", *(f"p = {p}" for p in shares)]
+    drawn = [p for p in shares if p >= tables.P]
     return Result(
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows)],
-        _claims(of_half),
-        {f"removed_{p}": _picture(repairs, testing.pick_evenly(1), p, seed) for p in PS[2:]},
+        claims,
+        {f"removed_{p}": _picture(repairs, testing.pick_evenly(1), p, seed) for p in drawn},
     )
+
+
+def _squares(repairs: Repairs, test: Clips, p: float, seed: int) -> dict[str, np.ndarray]:
+    """The squared errors of every method by take."""
+    damaged = zero_values(test.x, p, np.random.default_rng(seed))
+    squares = {}
+    for method, _, repaired in repairs.apply(test, damaged, p):
+        squares[method] = test.squares_by_take(repaired)
+    return squares
 
 
 def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:
@@ -83,23 +102,35 @@ def sweep(repairs: Repairs, test: Clips, ps: Sequence[float], seeds: Sequence[in
     return {method: np.reshape(values, (len(ps), -1)) for method, values in errors.items()}
 
 
-def _claims(at: dict[str, float]) -> list[Claim]:
-    """The network, which is given the zeros as they are, beside the best simple method that is
-    given as much; and the completion beside the best simple method that is given the mask."""
-    simple = min(tables.SIMPLE, key=lambda name: at[name])
-    with_mask = min(tables.SIMPLE_WITH_MASK, key=lambda name: at[name])
-    network = at[tables.NETWORK]
-    completed = at[tables.COMPLETED]
-    figures = f"{at[tables.DAMAGED]:.2f} cm before, {network:.2f} cm after;"
-    opponent = f"{simple}: {at[simple]:.2f} cm."
-    with_mask_figures = f"{with_mask}: {at[with_mask]:.2f} cm."
-    return [
-        Claim("half_recovered", network < at[tables.DAMAGED] / 2, figures, opponent=opponent),
-        Claim("better_than_simple", network < at[simple], figures, opponent=opponent),
-        Claim(
-            "completed_better",
-            completed < at[with_mask],
-            f"{completed:.2f} cm;",
-            opponent=with_mask_figures,
-        ),
-    ]
+def _claims(squares: dict[str, np.ndarray]) -> list[Claim]:
+    """The network, which is given the zeros as they are, beside the simple methods that are given
+    as much; and the completion beside the simple methods that are given the mask."""
+    errors = {name: root_mean_square(of_takes) for name, of_takes in squares.items()}
+    before = squares[tables.DAMAGED]
+    left = ratio_of_errors(squares[tables.NETWORK], before)
+    simple = min(tables.SIMPLE, key=lambda name: errors[name])
+    left_by_simple = ratio_of_errors(squares[simple], before)
+    figures = (
+        f"{errors[tables.DAMAGED]:.2f} cm before, {errors[tables.NETWORK]:.2f} cm after: "
+        f"{left:.3f} of the error is left;"
+    )
+    opponent = f"{simple}: {errors[simple]:.2f} cm, {left_by_simple:.3f}."
+    claims = []
+    for key, share in (("half_recovered", 0.1), ("matches_closely", 0.01)):
+        bound = share**0.5
+        also = simple if left_by_simple.at_most(bound) else ""
+        claims.append(Claim(key, left.at_most(bound), figures, "", opponent, also))
+    claims.append(_claim_against(squares, "better_than_simple", tables.NETWORK, simple))
+    with_mask = min(tables.SIMPLE_WITH_MASK, key=lambda name: errors[name])
+    claims.append(_claim_against(squares, "completed_better", tables.COMPLETED, with_mask))
+    key = "transitions_afterwards"
+    claims.append(_claim_against(squares, key, tables.COMPLETED, tables.DYNAMICS))
+    return claims
+
+
+def _claim_against(squares: dict[str, np.ndarray], key: str, ours: str, opponent: str) -> Claim:
+    """Whether a method has a lower error than an opponent."""
+    ratio = ratio_of_errors(squares[ours], squares[opponent])
+    figures = f"{root_mean_square(squares[ours]):.2f} cm, {ratio:.2f} of the opponent's;"
+    of_opponent = f"{opponent}: {root_mean_square(squares[opponent]):.2f} cm."
+    return Claim(key, ratio.at_most(1), figures, opponent=of_opponent)

@@ -8,7 +8,7 @@ b. Where b is inside, the takes do not decide.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +67,20 @@ def ratio_of_means(ours: np.ndarray, theirs: np.ndarray) -> Interval:
     return bootstrap(ratio, np.asarray(ours, float), np.asarray(theirs, float))
 
 
+def ratio_of_samples(ours: np.ndarray, theirs: np.ndarray) -> Interval:
+    """The mean of one set of numbers divided by that of another one, drawn independently."""
+    ours = np.asarray(ours, dtype=np.float64)
+    theirs = np.asarray(theirs, dtype=np.float64)
+    rng = np.random.default_rng(0)
+    ratios = []
+    for _ in range(DRAWS):
+        above = ours[rng.integers(len(ours), size=len(ours))].mean()
+        below = theirs[rng.integers(len(theirs), size=len(theirs))].mean()
+        ratios.append(above / max(below, 1e-12))
+    low, high = np.percentile(ratios, COVERED)
+    return Interval(float(ours.mean() / max(theirs.mean(), 1e-12)), float(low), float(high))
+
+
 def root_mean_square(squares: np.ndarray) -> float:
     """The root mean square of rows (sum of squares, number of values)."""
     return float(np.sqrt(squares[:, 0].sum() / squares[:, 1].sum()))
@@ -89,9 +103,14 @@ def all_of(*fulfilled: bool | None) -> bool | None:
     return None if None in fulfilled else True
 
 
-def agreed(fulfilled: list[bool | None]) -> bool | None:
+def agreed(fulfilled: Sequence[bool | None]) -> bool | None:
     """What all seeds say; None where they differ."""
     return fulfilled[0] if len(set(fulfilled)) == 1 else None
+
+
+def seeds_below(ours: Sequence[float], theirs: Sequence[float]) -> bool | None:
+    """Whether a number is lower than another one with each seed; None where seeds differ."""
+    return agreed([ours < theirs for ours, theirs in zip(ours, theirs, strict=True)])
 
 
 def negate(fulfilled: bool | None) -> bool | None:

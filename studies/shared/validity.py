@@ -65,6 +65,11 @@ class Validity:
         columns = zip(self.HEADER, self.FORMATS[1:], astuple(self), astuple(opponent), strict=True)
         return "; ".join(f"{name} {a:{form}} against {b:{form}}" for name, form, a, b in columns)
 
+    def listed(self) -> str:
+        """Each measure, in a sentence."""
+        columns = zip(self.HEADER, self.FORMATS[1:], astuple(self), strict=True)
+        return "; ".join(f"{name} {value:{form}}" for name, form, value in columns)
+
     @classmethod
     def mean(cls, measured: Sequence[Validity]) -> Validity:
         """The mean of each measure over motions."""
@@ -105,7 +110,11 @@ class ValidityMeasure:
 
     def mean(self, clips: Sequence[np.ndarray]) -> Validity:
         """The mean of each measure over motions."""
-        return Validity.mean([*map(self.of, clips)])
+        return Validity.mean(self.each(clips))
+
+    def each(self, clips: Sequence[np.ndarray]) -> list[Validity]:
+        """The measures of each motion."""
+        return [self.of(clip) for clip in clips]
 
     def nearest_distances(self, features: np.ndarray) -> np.ndarray:
         """The distance of every frame (F, 63) to the nearest of the real poses, cm, (F,).

@@ -9,6 +9,7 @@ from studies import interpolation
 from studies.filling_in import NETWORK
 from studies.interpolation import ALONG, ENDS
 from studies.interpolation import LINEAR as STRAIGHT
+from studies.repair_sweep import PS
 from studies.shared.material import Material
 from studies.shared.validity import Validity
 
@@ -19,7 +20,7 @@ def test_the_sweep_of_removed_values(result_of):
     (table,) = result_of("repair_sweep").tables
     assert table.rows[0][0] == DAMAGED
     errors = np.array(table.rows[0][1:])  # they grow with the root of p
-    np.testing.assert_allclose(errors / np.sqrt([0.1, 0.5, 0.9]), errors[1] / 0.5**0.5, rtol=0.1)
+    np.testing.assert_allclose(errors / np.sqrt(PS), errors[2] / 0.5**0.5, rtol=0.1)
     at = {name: table.value(name, "p = 0.5") for name in (GAUSSIAN, LINEAR, DAMAGED)}
     assert at[GAUSSIAN] < at[LINEAR] < at[DAMAGED]
 
