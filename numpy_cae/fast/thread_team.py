@@ -19,8 +19,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
-from contextvars import copy_context
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -142,11 +141,10 @@ class ThreadTeam:
         fails, the others are released and its error is raised.
         """
         with self._lock, one_blas_thread() if blas_threads == 1 else nullcontext():
-            jobs = [  # in the caller's context, which holds its settings of NumPy's warnings
-                self._pool.submit(copy_context().run, self._run_guarded, work, worker)
-                for worker in range(1, self.size)
-            ]
-            done = [self._run_guarded(work, 0), *(job.result() for job in jobs)]
+            warnings: dict[str, Any] = {"call": np.geterrcall(), **np.geterr()}
+            guarded = partial(self._run_guarded, work, warnings)
+            jobs = [self._pool.submit(guarded, worker) for worker in range(1, self.size)]
+            done = [guarded(0), *(job.result() for job in jobs)]
             self._barrier.reset()
         for _, failure in done:
             if failure is not None and not isinstance(failure, threading.BrokenBarrierError):
@@ -158,11 +156,16 @@ class ThreadTeam:
         self._barrier.wait()
 
     def _run_guarded(
-        self, work: Callable[[int], Any], worker: int
+        self, work: Callable[[int], Any], warnings: dict[str, Any], worker: int
     ) -> tuple[Any, BaseException | None]:
-        """The result, or the failure after releasing the others, which would wait forever."""
+        """The result, or the failure after releasing the others, which would wait forever.
+
+        `warnings` are the caller's settings of NumPy's warnings, the arguments of `np.errstate`:
+        a thread does not inherit them.
+        """
         try:
-            return work(worker), None
+            with np.errstate(**warnings):
+                return work(worker), None
         except BaseException as failure:
             self._barrier.abort()
             return None, failure
