@@ -133,4 +133,4 @@ def _claim_against(squares: dict[str, np.ndarray], key: str, ours: str, opponent
     ratio = ratio_of_errors(squares[ours], squares[opponent])
     figures = f"{root_mean_square(squares[ours]):.2f} cm, {ratio:.2f} of the opponent's;"
     of_opponent = f"{opponent}: {root_mean_square(squares[opponent]):.2f} cm."
-    return Claim(key, ratio.at_most(1), figures, opponent=of_opponent)
+    return Claim(key, ratio.below(1), figures, opponent=of_opponent)

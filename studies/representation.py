@@ -146,13 +146,13 @@ def _claim_of_pooling(
     mean = ratio_of_means(changes[MEAN], of_every_second)
     without = ratio_of_means(changes_untrained[MAXIMUM], changes_untrained[EVERY_SECOND])
     also = []
-    if mean.at_most(1):
+    if mean.below(1):
         also.append("the mean of each pair")
-    if without.at_most(1):
+    if without.below(1):
         also.append("an untrained network")
     return Claim(
         "pooling_invariant",
-        maximum.at_most(1),
+        maximum.below(1),
         f"units of layer 1 change by {np.mean(changes[MAXIMUM]):.3f} of their deviation, "
         f"{maximum:.3f} of the change without the maximum;",
         opponent=f"the mean of each pair {mean:.3f}, untrained with the maximum {without:.3f}.",
@@ -243,7 +243,7 @@ def _claim_of_no_guarantee(true: Constrained, projected: Constrained) -> Claim:
     mean = Validity.mean(projected.validity)
     return Claim(
         "no_guarantee",
-        all_of(bones.at_most(1), sliding.at_most(1)),
+        all_of(bones.below(1), sliding.below(1)),
         f"{mean.against(Validity.mean(true.validity))} of the true motion; the takes slide "
         f"{sliding:.2f} of it.",
     )

@@ -36,6 +36,12 @@ class Interval:
             return True
         return False if self.low > bound else None
 
+    def below(self, bound: float) -> bool | None:
+        """Whether the figure is below the bound; None where the takes do not decide."""
+        if self.high < bound:
+            return True
+        return False if self.low >= bound else None
+
     def above(self, bound: float) -> bool | None:
         """Whether the figure is above the bound; None where the takes do not decide."""
         return negate(self.at_most(bound))

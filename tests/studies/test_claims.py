@@ -44,12 +44,12 @@ def test_a_study_that_cannot_be_run_is_in_the_note(small_manifold, labelled, mon
 
 
 def test_a_delay_changes_only_the_velocity_of_the_hips(result_of):
-    _, shares, _ = result_of("comparison").tables
+    _, shares, _, _ = result_of("comparison").tables
     assert shares.value(RAW_EXTREMES, "24 frames") < 0.02
 
 
 def test_a_delay_changes_G_little(result_of):
-    _, shares, _ = result_of("comparison").tables
+    _, shares, _, _ = result_of("comparison").tables
     assert shares.value(EQUATION_4, "24 frames") < 0.2
 
 

@@ -33,7 +33,8 @@ def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled,
     rows = comparison.rows_of_distances(small_manifold)
     between = {name: distances(rows[name], clips, training) for name in (EQUATION_4, EUCLIDEAN)}
     between[RANDOM] = np.random.default_rng(0).random((5, 10))
-    average = comparison.average_precisions(between, labelled.testing, labelled.training)
+    precisions = comparison.precisions_of_queries(between, labelled.testing, labelled.training)
+    average = comparison.mean_precisions(precisions)
     assert list(average) == [
         "content", "style", "both", "content, other style", "style, other content"
     ]  # fmt: skip
@@ -43,20 +44,38 @@ def test_only_takes_with_something_to_find_are_queries(small_manifold, labelled,
     # "neutral" is the one style that two contents share: without it there are no such queries.
     walks = [take for take in labelled.testing if take.content == "walk"]
     few = {name: d[:2, :4] for name, d in between.items()}
-    assert "style, other content" not in comparison.average_precisions(
+    assert "style, other content" not in comparison.precisions_of_queries(
         few, walks, labelled.training[:4]
     )
 
 
-def test_a_claim_needs_the_higher_mean_and_labels(small_manifold, labelled):
+def test_a_claim_needs_the_higher_mean_of_the_queries():
     untrained = comparison.UNTRAINED
     names = (EQUATION_4, EUCLIDEAN, comparison.RAW_EXTREMES, untrained, comparison.PRINCIPAL)
-    average = {"content": dict.fromkeys(names, 0.5) | {EQUATION_4: 0.75, untrained: 0.75}}
-    claims = comparison._claims(average)
-    assert [claim.fulfilled for claim in claims] == [True, True, False, True]
-    assert "0.75 against 0.50" in claims[0].figures and "content +0.25" in claims[1].figures
+    precisions = {name: np.full(9, 0.5) for name in names}
+    precisions[EQUATION_4] = np.full(9, 0.75)
+    precisions[untrained] = 0.75 + np.array([0.2] * 4 + [-0.2] * 5)
+    claims = comparison._claims({"content": precisions})
+    assert [claim.fulfilled for claim in claims] == [True, True, None, True]
+    assert "+0.25 (+0.25 to +0.25)" in claims[0].figures
+    assert "content +0.25" in claims[1].figures
+
+
+def test_takes_without_labels_are_refused(small_manifold, labelled):
     with pytest.raises(ValueError, match="labelled takes"):
         comparison.run(small_manifold, Material(labelled.training, []))
+
+
+def test_the_take_that_a_delay_changes_most_counts(small_manifold, labelled):
+    clips = [small_manifold.features(take.positions)[0] for take in labelled.testing]
+    few = {name: lambda clip: clip[:1] for name in (EQUATION_4, EUCLIDEAN)}
+    few[comparison.RAW_EXTREMES] = lambda clip: np.array([[clip[:, 60].sum()]])
+    result = comparison.delays(few, clips)
+    median, worst = result.tables
+    for name in few:
+        assert median.value(name, "8 frames") <= worst.value(name, "8 frames")
+    (claim,) = result.claims
+    assert claim.fulfilled == (max(worst.rows[0][1:]) <= comparison.MOST)
 
 
 def test_the_error_is_in_centimetres(small_manifold, labelled):

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 
 from numpy_cae.evaluation.tables import DAMAGED, GAUSSIAN, LINEAR, clips_of
+from numpy_cae.motion import features_to_positions
 from numpy_cae.motion.hole_curves import ROTATION_CURVES
-from studies import interpolation
+from studies import interpolation, stepped_keys, wrist
 from studies.filling_in import NETWORK
 from studies.interpolation import ALONG, ENDS
 from studies.interpolation import LINEAR as STRAIGHT
 from studies.repair_sweep import PS
 from studies.shared.material import Material
-from studies.shared.validity import Validity
+from studies.shared.validity import Validity, bone_length_error
 
 BONES, NEAREST = Validity.HEADER[0], Validity.HEADER[-1]
 
@@ -53,15 +54,39 @@ def test_interpolation_of_press_ups_and_walks(result_of, small_manifold, labelle
         interpolation.run(small_manifold, Material(labelled.training, []))
 
 
-def test_a_claim_is_confirmed_if_all_measures_are_better():
-    measured = {ENDS: Validity(0, 0, 4, 0), ALONG: Validity(1, 1, 3, 1)}
-    measured[STRAIGHT] = Validity(2, 2, 9, 2)
-    claim = interpolation._claim("walks", measured)
+MEASURED = {
+    ENDS: [Validity(0, 0, 4, 0)] * 3,
+    ALONG: [Validity(1, 1, 3, 1)] * 3,
+    STRAIGHT: [Validity(2, 2, 9, 2)] * 3,
+    interpolation.WITH_LENGTHS: [Validity(0, 2, 9, 2)] * 3,
+}
+
+
+def test_a_claim_is_fulfilled_if_all_measures_are_better():
+    claim = interpolation._claim("walks", MEASURED)
     assert claim.fulfilled and "on 4 of 4 measures" in claim.figures
-    measured[STRAIGHT] = Validity(2, 2, 4.5, 2)  # its jitter is nearer to the two motions'
-    assert not interpolation._claim("walks", measured).fulfilled
-    worse = interpolation._claim("walks", measured | {ALONG: measured[STRAIGHT]})
-    assert "0 of 4 measures (none)" in worse.figures
+
+
+def test_a_jitter_nearer_to_that_of_the_two_motions_is_better():
+    nearer = MEASURED | {STRAIGHT: [Validity(2, 2, 4.5, 2)] * 3}
+    assert interpolation._claim("walks", nearer).fulfilled is False
+
+
+def test_equal_measures_are_not_better():
+    equal = MEASURED | {ALONG: MEASURED[STRAIGHT]}
+    assert "on 0 of 4" in interpolation._claim("walks", equal).figures
+
+
+def test_a_measure_that_pairs_do_not_decide_is_undecided():
+    mixed = [Validity(1, 1, 3, 1), Validity(1, 1, 3, 3), Validity(1, 1, 3, 1)]
+    assert interpolation._claim("walks", MEASURED | {ALONG: mixed}).fulfilled is None
+
+
+def test_bones_are_set_to_their_lengths(small_manifold, labelled):
+    clip, other = interpolation.clips_of_pair(small_manifold, *labelled.testing[:2])
+    changed = interpolation.set_bone_lengths((clip + other) / 2, small_manifold.lengths)
+    positions = features_to_positions(changed)
+    assert bone_length_error(positions, small_manifold.lengths) < 1e-6
 
 
 def test_sampling_measures_priors_beside_real_motion(result_of):
@@ -70,3 +95,36 @@ def test_sampling_measures_priors_beside_real_motion(result_of):
     assert table.value("uniform prior", NEAREST) > table.value("fitted prior", NEAREST)
     uniform, fitted = result_of("sampling").claims
     assert not uniform.fulfilled and "fitted to encoded motion" in fitted.sentence
+
+
+def test_regression_on_the_other_joints_is_better_than_the_mean_pose(result_of):
+    (table,) = result_of("wrist").tables
+    assert table.value(wrist.RIDGE, "both") < table.value(wrist.MEAN_POSE, "both")
+
+
+def test_the_wrist_of_the_mean_pose_is_where_it_is_removed(result_of, small_manifold, labelled):
+    (table,) = result_of("wrist").tables
+    clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
+    missing = clips.x.copy()
+    missing[..., 21:24] = 0
+    assert table.value(wrist.MEAN_POSE, "left_wrist") == pytest.approx(
+        clips.error(missing, "left_wrist")
+    )
+
+
+def test_a_claim_that_an_average_fulfils_is_not_distinctive():
+    ones = np.ones(5)
+    truth = stepped_keys.Measured(0 * ones, 0 * ones, 4 * ones, ones)
+    held = stepped_keys.Measured(6 * ones, 6 * ones, 9 * ones, ones)
+    better = stepped_keys.Measured(5 * ones, 5 * ones, 4 * ones, ones)
+    measured = dict.fromkeys((*stepped_keys.FREE, stepped_keys.NETWORK), better)
+    measured |= {stepped_keys.TRUE: truth, stepped_keys.HELD: held, stepped_keys.LINEAR: held}
+    verdicts = [claim.verdict for claim in stepped_keys._claims(measured)]
+    assert verdicts == ["not distinctive"] * 3
+
+
+def test_transitions_end_at_the_last_key(small_manifold):
+    features = np.cumsum(np.random.default_rng(0).normal(size=(40, 63)), axis=0) / 100
+    filled = stepped_keys.fill_steps(small_manifold, features)
+    assert {len(x) for x in filled.values()} == {31}
+    np.testing.assert_array_equal(filled[stepped_keys.HELD][16], features[15])
