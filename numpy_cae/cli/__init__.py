@@ -110,9 +110,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     is_option = argv[0].startswith("-")
     name = _parser().parse_args(argv if is_option else argv[:1]).command
     try:
-        args = subcommand_parser(name).parse_args(argv[1:])  # imports for a second
+        args = subcommand_parser(name).parse_args(argv[1:])  # imports for half a second
+        from numpy_cae.fast.thread_team import one_blas_thread  # imports NumPy: not for --help
+
         _raise_on_interrupt()
-        with replacing(getattr(args, "overwrite", False)):
+        # The second thread of BLAS would wait actively after each of many small products: twice the
+        # processor time for nothing. `numpy_cae.fast` has threads of its own.
+        with one_blas_thread(), replacing(getattr(args, "overwrite", False)):
             status = args.run(args)
         sys.stdout.flush()
         return status

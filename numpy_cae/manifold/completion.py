@@ -223,11 +223,11 @@ def complete(
         missed = interpolate(np.where(known, x - projected, 0.0), known)
         return np.where(known, x, projected + missed)
 
+    if known.all():
+        return x.copy()
     if start is None:
         start = interpolate(x, known)
     x_n = np.where(known, x, start)
-    if known.all():
-        return x_n
     first_change = 0.0
     for _ in range(projections - 1):
         before = x_n

@@ -9,14 +9,14 @@ known frame before the hole:
 x is one of the curves below, or a mean of them.
 
 `pchip`, `cubic` and `slerp` are those of animation programs (`ROTATION_CURVES`). The speed of pchip
-and slerp at the ends of a hole differs from that of the motion. `join_speeds` adds to a curve c the
-difference between the speed v of the motion at an end of the hole and the slope of the curve. With
-t the time from that end and T at most the duration of the hole:
+and slerp at the ends of a hole differs from that of the motion. `join_speeds` adds to PCHIP's curve
+c the difference between the speed v of the motion at an end of the hole and the slope of c. With t
+the time from that end and T at most the duration of the hole:
 
     x(t) = c(t) + (v - c'(0)) t (1 - |t| / T)²,  |t| < T
 
-So value and speed are continuous at both ends. With PCHIP and T the duration of the hole this is
-the cubic through values and speeds at both ends.
+So value and speed are continuous at both ends. With T the duration of the hole this is the cubic
+through values and speeds at both ends.
 """
 
 from collections.abc import Callable, Iterator
@@ -26,6 +26,7 @@ import numpy as np
 
 from numpy_cae.motion import quaternions
 from numpy_cae.motion.angles import unwrap
+from numpy_cae.motion.cubic_pieces import hermite, pchip_slopes, spline
 from numpy_cae.motion.masks import runs
 from numpy_cae.motion.motion import RATE
 from numpy_cae.motion.quaternions import IDENTITY, from_vector, inverse, product, to_vector
@@ -35,64 +36,49 @@ EASE_SECONDS = 2 / 3
 (docs/lab_book/filling.md)."""
 BRIEF_SECONDS = 0.1
 """T (s) for other curves: their speed does not jump, and little else changes."""
-Curve = Callable[..., np.ndarray]
+Curve = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """A curve through keys: their times (K,) in seconds, ascending, their values (K, N, C), and the
-times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant. With
-a fourth argument, 1, `pchip`, `cubic` and `slerp` give the derivative."""
+times (n,) of a hole between them, to values (n, N, C). Outside the keys the curve is constant."""
 
 
-def pchip(
-    keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
-) -> np.ndarray:
+def pchip(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The monotone cubic of Fritsch and Butland (1984): no overshoot."""
-    from scipy.interpolate import PchipInterpolator  # slow to import, and seldom needed
-
-    return _through_keys(PchipInterpolator, keys, values, times, derivative)
-
-
-def cubic(
-    keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
-) -> np.ndarray:
-    """The cubic spline, with continuous acceleration."""
-    from scipy.interpolate import CubicSpline
-
-    return _through_keys(CubicSpline, keys, values, times, derivative)
-
-
-def _through_keys(
-    interpolator: Callable, keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int
-) -> np.ndarray:
-    """A curve of `scipy.interpolate` through all keys, or a derivative of it."""
     if len(keys) == 1:
         return np.repeat(values, len(times), axis=0)
-    return interpolator(keys, values)(np.clip(times, keys[0], keys[-1]), derivative)
+    inside = np.clip(times, keys[0], keys[-1])
+    return hermite(keys, values, pchip_slopes(keys, values), inside)
 
 
-def slerp(
-    keys: np.ndarray, values: np.ndarray, times: np.ndarray, derivative: int = 0
-) -> np.ndarray:
+def cubic(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The cubic spline, with continuous acceleration."""
+    if len(keys) == 1:
+        return np.repeat(values, len(times), axis=0)
+    return spline(keys, values, np.clip(times, keys[0], keys[-1]))
+
+
+def slerp(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Linear between the two keys next to the hole, as PCHIP is through two keys: for rotation
     vectors relative to the first of the two this is spherical interpolation."""
     after = int(np.clip(np.searchsorted(keys, times[0], "right"), 1, max(len(keys) - 1, 1)))
     near = slice(after - 1, after + 1)
-    return pchip(keys[near], values[near], times, derivative)
+    return pchip(keys[near], values[near], times)
 
 
-def join_speeds(curve: Curve, longest: float) -> Curve:
-    """The curve with the speeds at both ends of the hole, by the module's equation, T <= longest.
+def join_speeds(longest: float) -> Curve:
+    """PCHIP with the speeds at both ends of the hole, by the module's equation, T <= longest.
 
-    Where the frames around the hole do not give its speed (`speed_at`), the curve is unchanged.
+    Where the frames around the hole do not give its speed (`speed_at`), the curve is PCHIP's.
     """
 
     def joined(keys: np.ndarray, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-        result = curve(keys, values, times)
+        result = pchip(keys, values, times)
         after = int(np.searchsorted(keys, times[0]))
         duration = longest
         slopes = np.zeros((2, *values.shape[1:]))  # of the constant outside of the keys
         if 0 < after < len(keys):
             ends = keys[after - 1 : after + 1]
             duration = min(longest, ends[1] - ends[0])
-            slopes = curve(keys, values, ends, 1)
+            slopes = pchip_slopes(keys, values)[after - 1 : after + 1]
         # From the hole outwards: the keys before it, the nearest first, and those after it.
         sides = ((keys[:after][::-1], values[:after][::-1]), (keys[after:], values[after:]))
         for (side_keys, side_values), slope in zip(sides, slopes, strict=True):
@@ -120,10 +106,10 @@ def speed_at(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
 
 
 ROTATION_CURVES: dict[str, Curve] = {"pchip": pchip, "cubic": cubic, "slerp": slerp}
-eased = join_speeds(pchip, EASE_SECONDS)
+eased = join_speeds(EASE_SECONDS)
 CURVES: dict[str, Curve] = {
     "eased": eased,
-    "pchip": join_speeds(pchip, BRIEF_SECONDS),
+    "pchip": join_speeds(BRIEF_SECONDS),
     "cubic": cubic,
 }
 """The curves of `fill` and `repair` by name; the speed jumps in none of them."""

@@ -104,8 +104,6 @@ def at_rate_of(
     >>> len(positions), len(at_rate_of(walk, positions))
     (60, 240)
     """
-    from scipy.interpolate import Akima1DInterpolator  # a slow import, seldom needed
-
     times = motion.source_frames(RATE)
     if len(positions) != len(times):
         problem = f"{len(positions)} poses at {RATE:g} a second"
@@ -115,6 +113,8 @@ def at_rate_of(
         return np.repeat(positions, len(frames), axis=0)
     if np.array_equal(times, np.arange(len(motion))):
         return positions[frames]
+    from scipy.interpolate import Akima1DInterpolator  # its import takes longer than a repair
+
     step = times[1]
     # The curve in these frames depends on three poses before and three poses after them.
     first = max(int(frames[0] / step) - 3, 0)
