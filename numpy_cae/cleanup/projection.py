@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from numpy_cae.fast.thread_team import one_thread
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body, retarget_poses
 from numpy_cae.motion.features import (
@@ -15,6 +16,7 @@ from numpy_cae.motion.features import (
 from numpy_cae.motion.motion import Motion
 
 
+@one_thread()
 def project_motion(motion: Motion, manifold: MotionManifold) -> Motion:
     """Project a whole motion onto the manifold, in its own rig.
 

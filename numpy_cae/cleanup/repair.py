@@ -53,6 +53,7 @@ from numpy_cae.cleanup.presets import Preset
 from numpy_cae.cleanup.result import Repaired, compare_motions, join_motions, measure_distances
 from numpy_cae.cleanup.spikes import find_spikes
 from numpy_cae.cleanup.view import View
+from numpy_cae.fast.thread_team import one_thread
 from numpy_cae.manifold.filling import require_mask
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body
@@ -145,6 +146,7 @@ WORK_AFTER_STEPS = 4.5
 `Step.work`."""
 
 
+@one_thread()
 def repair_motion(
     motion: Motion,
     manifold: MotionManifold | None = None,
@@ -552,6 +554,7 @@ def _with_status(findings: list[Finding], mended: list[Finding]) -> list[Finding
     return mended + unmended + proposed
 
 
+@one_thread()
 def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -> Repaired:
     """Fill in the joints of a motion that are missing; the values of the file are ignored there.
 

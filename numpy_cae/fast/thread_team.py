@@ -19,6 +19,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -171,10 +172,32 @@ class ThreadTeam:
             return None, failure
 
 
-@lru_cache
+_is_single: ContextVar[bool] = ContextVar("is_single", default=False)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let every team have one thread, and BLAS as well: what is computed has the same bits on any
+    number of processors."""
+    token = _is_single.set(True)
+    try:
+        with one_blas_thread():
+            yield
+    finally:
+        _is_single.reset(token)
+
+
 def thread_team(size: int | None = None) -> ThreadTeam:
-    """This process's team of that size, by default the number of threads that BLAS would use."""
-    return ThreadTeam(size or blas_threads() or 1)
+    """This process's team of that size, by default the number of threads that BLAS would use; in a
+    block of `one_thread` that of one thread."""
+    if _is_single.get():
+        return _team(1)
+    return _team(size or blas_threads() or 1)
+
+
+@lru_cache
+def _team(size: int) -> ThreadTeam:
+    return ThreadTeam(size)
 
 
 def share(total: int, worker: int, workers: int) -> slice:
@@ -183,4 +206,4 @@ def share(total: int, worker: int, workers: int) -> slice:
 
 
 if hasattr(os, "register_at_fork"):  # a forked process inherits no threads
-    os.register_at_fork(after_in_child=thread_team.cache_clear)
+    os.register_at_fork(after_in_child=_team.cache_clear)

@@ -12,7 +12,8 @@ from numpy_cae.cleanup import project_motion
 from numpy_cae.cleanup.holes import Holes
 from numpy_cae.cleanup.projection import keep_trajectory
 from numpy_cae.evaluation import position_error
-from numpy_cae.manifold import MotionManifold
+from numpy_cae.fast import accelerate
+from numpy_cae.manifold import MotionManifold, starter
 from numpy_cae.mocap import body_of, body_positions
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import POSITIONS, bone_lengths
@@ -66,6 +67,17 @@ def test_rig_rate_unit_and_length_stay(untrained_manifold, rate, frames):
     single = [5, 6, 7, 9, 10, 11, 13, 14, 15, 17, 18, 19]  # bones without joints in between
     before, after = (bone_lengths(body_positions(each))[single] for each in (motion, fixed))
     np.testing.assert_allclose(after, before, atol=1e-9)
+
+
+def test_a_projected_motion_has_the_same_bits_on_any_number_of_threads():
+    motion = walk(1, 30.0, seconds=20.0)
+    manifold = starter("ops")
+    network = manifold.network
+    projected = []
+    for threads in (1, 2):
+        manifold.network = accelerate(network, threads)
+        projected.append(project_motion(motion, manifold))
+    np.testing.assert_array_equal(projected[1].rotations, projected[0].rotations)
 
 
 @pytest.mark.parametrize("rate", [30.0, 120.0])

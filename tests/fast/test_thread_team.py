@@ -11,6 +11,7 @@ from numpy_cae.fast.thread_team import (
     _openblas,
     blas_threads,
     one_blas_thread,
+    one_thread,
     share,
     thread_team,
 )
@@ -91,3 +92,9 @@ def test_the_threads_come_back_after_an_interrupt_at_any_step():
     finally:
         set_number(before)
     assert interrupts > 10
+
+
+def test_every_team_of_a_block_with_one_thread_has_one_thread():
+    with one_thread():
+        assert thread_team(2).size == 1
+    assert thread_team(2).size == 2

@@ -117,7 +117,7 @@ def test_a_failed_write_leaves_what_was_there(tmp_path, monkeypatch):
         file.write("1 2 3")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("numpy.savetxt", full_disk)
+    monkeypatch.setattr("numpy_cae.mocap.formats.write_bvh._write_rows", full_disk)
     with pytest.raises(FileError, match="cannot be written: No space left") as failed:
         write_bvh(drawn_motion(0), path)
     assert failed.value.path == path
