@@ -1,71 +1,118 @@
-"""Is a deep stack justified? holden2015, section 7, "Limitations & Future Work".
+"""Are a deep stack and filters over time justified? holden2015, sections 7 and 8.
 
     python -m studies depth --data bandai --test '*_005.bvh'
 
-Stacks of 1, 2 and 3 layers, each with as many hidden numbers, are trained by the paper's schedule
-with fewer epochs, and one of 3 layers without the sparsity term of equation 3.
-"""
+"We also wish to […] justify the effectiveness of using a deep architecture." Stacks of 1, 2 and 3
+layers, each with as many hidden numbers, are trained by the paper's schedule with fewer epochs and
+with Adam on all layers at once, three seeds of each.
 
-from dataclasses import replace
+"The position of a single joint is not just linked to the position of other joints in the same
+pose - but to the position of other joints in separate frames." A stack of three layers whose
+filters have one frame instead of 15 is trained with Adam.
+"""
 
 import numpy as np
 
-from numpy_cae.evaluation.tables import clips_of
-from numpy_cae.manifold import MotionManifold, hidden_units, learn_manifold
-from numpy_cae.training import Schedule, recipe, zero_values
-from studies.shared.material import Material, features_of
+from numpy_cae.evaluation.baselines import Gaussian, apply_linear_map
+from numpy_cae.evaluation.tables import LINEAR, clips_of
+from numpy_cae.training import recipe, zero_values
+from studies.shared.judging import all_of, seeds_below
+from studies.shared.material import Material
 from studies.shared.result import Claim, Result, Table
+from studies.shared.small_networks import (
+    EPOCHS,
+    FILTERS,
+    SEEDS,
+    UNTRAINED,
+    Errors,
+    P,
+    SmallNetworks,
+    mean_and_range,
+)
+from studies.shared.trained import Trainer
+from studies.training_choices import shortened
 
-FILTERS = (32, 64, 128)
-"""Half of the paper's. Each layer halves the frames and doubles the units."""
-EPOCHS = 8
-"""Of each layer and of fine tuning; the paper has 25."""
-ACTIVE = 0.1
-"""A hidden unit is active where its magnitude is larger."""
-SPARSE = "three layers, α = 0"
+ADAM_EPOCHS = 3
+"""With Adam all layers learn at once, for this many times as many epochs."""
+SGD = "the paper's schedule"
+ADAM = "Adam"
+ONE_FRAME = "Adam, filters of one frame"
 
 
-def run(material: Material, seed: int = 0, epochs: int = EPOCHS) -> Result:
+def run(
+    material: Material,
+    seed: int = 0,
+    trainer: Trainer | None = None,
+    epochs: int = EPOCHS,
+    seeds: int = SEEDS,
+) -> Result:
     """Train the stacks on the training takes, and repair the test takes with each."""
-    schedule = recipe("paper")
-    layer = replace(schedule.layer, epochs=epochs)
-    fine = replace(schedule.fine_tuning, epochs=epochs)
-    stacks = {f"{n} of {len(FILTERS)} layers": (FILTERS[:n], layer) for n in (1, 2, 3)}
-    stacks[SPARSE] = FILTERS, replace(layer, alpha=0.0)
-    takes = [take.positions for take in material.training]
-    measured = {}
-    for name, (filters, stage) in stacks.items():
-        manifold = learn_manifold(takes, Schedule(stage, fine), seed, filters=filters)
-        measured[name] = _measured(manifold, material, seed)
-    header = ["stack", "reconstruction, cm", "half removed, cm", "active units"]
-    rows = [[name, *values] for name, values in measured.items()]
-    repair_errors = [repair_error for _, repair_error, _ in measured.values()]
-    shares_active = [share_active for _, _, share_active in measured.values()]
-    claims = [_claim_of_depth(*repair_errors[:3]), _claim_of_sparsity(*shares_active[2:])]
-    table = Table(f"{epochs} epochs of each stage:", header, rows)
-    return Result("Depth of the stack", [table], claims)
+    networks = SmallNetworks.of(material, trainer, seed, seeds)
+    schedules = {
+        SGD: shortened(recipe("paper"), epochs),
+        ADAM: shortened(recipe("fast"), ADAM_EPOCHS * epochs),
+    }
+    errors: dict[str, list[Errors]] = {}
+    for name, schedule in schedules.items():
+        for layers in range(1, len(FILTERS) + 1):
+            manifolds = networks.learn(schedule, filters=FILTERS[:layers])
+            errors[_named(name, layers)] = networks.errors(manifolds)
+    errors[ONE_FRAME] = networks.errors(networks.learn(schedules[ADAM], taps=1))
+    rows: list[list[object]] = []
+    for name, of_seeds in errors.items():
+        rows.append([name, *(mean_and_range(column) for column in zip(*of_seeds, strict=True))])
+    linear = _linear_error(networks)
+    rows.append([LINEAR, None, f"{linear:.3f}", None])
+    caption = f"{epochs} epochs of each stage, mean of {seeds} seeds ± half of the range:"
+    table = Table(caption, ["stack", *Errors.HEADER], rows)
+    claims = [_claim_of_depth(errors, linear), _claim_of_time(errors)]
+    return Result("Depth of the stack, and filters over time", [table], claims)
 
 
-def _claim_of_depth(one: float, two: float, three: float) -> Claim:
-    """Whether three layers repair better than two and one, from the errors in cm."""
-    figures = f"three layers {three:.2f} cm;"
-    opponent = f"two {two:.2f}, one {one:.2f} cm."
-    return Claim("deep_justified", three < min(one, two), figures, opponent=opponent)
+def _named(schedule: str, layers: int) -> str:
+    return f"{schedule}, {layers} of {len(FILTERS)} layers"
 
 
-def _claim_of_sparsity(sparse: float, free: float) -> Claim:
-    """Whether the sparsity term makes fewer units active, from the shares."""
-    figures = f"{sparse:.0%} of the units are active with α = 0.01;"
-    return Claim("sparsity", sparse < free, figures, opponent=f"{free:.0%} with α = 0.")
+def _linear_error(networks: SmallNetworks) -> float:
+    """The error of the linear map of 15 frames, fitted to the same takes, cm."""
+    manifold = networks.learn(UNTRAINED)[0]
+    fitted = clips_of(manifold, networks.takes)
+    test = networks.clips(manifold)
+    damaged = zero_values(test.x, P, np.random.default_rng(0))
+    return test.error(apply_linear_map(damaged, Gaussian(fitted.x, fitted.real).linear_map(P)))
 
 
-def _measured(
-    manifold: MotionManifold, material: Material, seed: int
-) -> tuple[float, float, float]:
-    """The errors of reconstruction and with half of the values removed, cm, and the share of units
-    that are active."""
-    test = clips_of(manifold, [take.positions for take in material.testing])
-    damaged = zero_values(test.x, 0.5, np.random.default_rng(seed))
-    units = [hidden_units(manifold, take) for take in features_of(manifold, material.testing)]
-    reconstruction, repair = (test.error(manifold.network.project(x)) for x in (test.x, damaged))
-    return reconstruction, repair, float(np.mean(np.abs(np.concatenate(units)) > ACTIVE))
+def _claim_of_depth(errors: dict[str, list[Errors]], linear: float) -> Claim:
+    """Whether three layers repair better than two and one, by both schedules."""
+    fulfilled = []
+    figures = []
+    for schedule in (SGD, ADAM):
+        repairs = []
+        for layers in range(1, len(FILTERS) + 1):
+            repairs.append([of_seed.repair for of_seed in errors[_named(schedule, layers)]])
+        one, two, three = repairs
+        fulfilled += [seeds_below(three, one), seeds_below(three, two)]
+        listed = ", ".join(f"{np.mean(of_layers):.2f}" for of_layers in repairs)
+        figures.append(f"{schedule}: one, two and three layers {listed} cm")
+    return Claim(
+        "deep_justified",
+        all_of(*fulfilled),
+        f"half removed, {'; '.join(figures)};",
+        opponent=f"{LINEAR} {linear:.2f} cm.",
+    )
+
+
+def _claim_of_time(errors: dict[str, list[Errors]]) -> Claim:
+    """Whether filters of 15 frames have a lower error than filters of one frame."""
+    long = errors[_named(ADAM, len(FILTERS))]
+    short = errors[ONE_FRAME]
+    repair = [of_seed.repair for of_seed in long], [of_seed.repair for of_seed in short]
+    completion = [of_seed.completion for of_seed in long], [of_seed.completion for of_seed in short]
+    return Claim(
+        "temporal_filters",
+        all_of(seeds_below(*repair), seeds_below(*completion)),
+        f"half removed, {mean_and_range(repair[0])} cm, "
+        f"mask given {mean_and_range(completion[0])};",
+        opponent=f"filters of one frame {mean_and_range(repair[1])} cm, "
+        f"{mean_and_range(completion[1])}.",
+    )

@@ -23,6 +23,7 @@ from numpy_cae.training import SEQUENCE_RECIPES, ProgressPrinter, SequenceSchedu
 from studies.jang2018.actions import ACTIONS, Action, read_action, synthetic_action
 from studies.shared.material import Material, read_material
 from studies.shared.messages import note
+from studies.shared.trained import Trainer, default_folder
 
 
 def count(text: str) -> int:
@@ -58,6 +59,7 @@ OPTIONS = {
     "schedule": "epochs rate batch steps weight optimiser",
     "network": "hidden latent frames burn_in",
     "progress": "quiet",
+    "trainer": "cache quiet",
     "seed": "seed",
 }
 """Parameter of `run` to its options."""
@@ -65,6 +67,12 @@ COUNT: dict[str, Any] = {"type": count, "metavar": "N"}
 SETTINGS: dict[str, dict[str, Any]] = {
     "seed": {"type": seed, "default": 0, "help": "seed of all random numbers (default: 0)"},
     "quiet": {"action": "store_true", "help": "show no progress"},
+    "cache": {
+        "type": Path,
+        "metavar": "FOLDER",
+        "default": default_folder(),
+        "help": f"folder that keeps trained networks (default: {default_folder()})",
+    },
     "mapping": {
         "type": Path,
         "metavar": "JSON",
@@ -315,6 +323,11 @@ class Inputs:
     def _options_that_are_set(self, *names: str) -> dict[str, Any]:
         values = {name: getattr(self.args, name) for name in names}
         return {name: value for name, value in values.items() if value is not None}
+
+    @cached_property
+    def trainer(self) -> Trainer:
+        """What trains networks, and keeps them in the folder of --cache."""
+        return Trainer(self.args.cache, self.progress)
 
     @cached_property
     def progress(self) -> Callable | None:

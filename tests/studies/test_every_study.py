@@ -5,7 +5,7 @@ import pytest
 from studies.shared.result import measured, png, report, text
 
 NAMES = "repair_sweep filling_in interpolation comparison damage sampling "
-NAMES += "representation kinect depth wrist stepped_keys"
+NAMES += "representation kinect depth wrist stepped_keys training_choices scaling"
 
 
 @pytest.mark.parametrize("name", NAMES.split())
