@@ -38,7 +38,7 @@ from numpy_cae.cleanup.holes import (
     weights,
 )
 from numpy_cae.cleanup.interpolation import interpolate_joints, mark_unknown_channels
-from numpy_cae.cleanup.regression import blend_rotations, regress_rotations
+from numpy_cae.cleanup.joint_regression import blend_rotations, regress_rotations
 from numpy_cae.manifold import MotionManifold, load_manifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.mocap.retargeting.body import Body

@@ -12,8 +12,8 @@ candidates is
 
 with P = `PRIOR_TRIALS`. So w_k falls with the p-th power of the error. The candidates are first the
 `CURVES` of the rig's rotations. For the end of a limb alone, each unknown rotation R_c on their
-mean is moved towards the rotation R_v that the visible joints predict (`cleanup.regression`), by
-each share s of `STRENGTHS`: R_c (R_c⁻¹ R_v)^s. For other holes the candidates on the mean X_0 of
+mean is moved towards the rotation R_v that the visible joints predict (`cleanup.joint_regression`),
+by each share s of `STRENGTHS`: R_c (R_c⁻¹ R_v)^s. For other holes the candidates on the mean X_0 of
 the curves are X_0 + s (X_N - X_0) for each s of `STRENGTHS`. X_N are the positions that the visible
 joints predict for an arm or a leg, and for a pose the correction of `manifold.fill`. The mean of
 candidates that differ in s only has s = Σ_k w_k s_k. A hole for which no trial fits into the file
@@ -39,14 +39,14 @@ from numpy_cae.cleanup.interpolation import (
     mark_missing_joints,
     mark_unknown_channels,
 )
-from numpy_cae.cleanup.kinds import MARKED
-from numpy_cae.cleanup.regression import (
+from numpy_cae.cleanup.joint_regression import (
     Regressed,
     ShareAt,
     blend_rotations,
     regress_positions,
     regress_rotations,
 )
+from numpy_cae.cleanup.kinds import MARKED
 from numpy_cae.manifold.filling import HOLE_KINDS, classify_holes, complete_from_curves, fill
 from numpy_cae.manifold.motion_manifold import MotionManifold
 from numpy_cae.mocap.retargeting.body import Body, at_rate_of, body_of

@@ -17,7 +17,7 @@ from numpy_cae.cleanup.holes import (
     weights,
 )
 from numpy_cae.cleanup.interpolation import interpolate_joints, mark_unknown_channels
-from numpy_cae.cleanup.regression import regress_positions
+from numpy_cae.cleanup.joint_regression import regress_positions
 from numpy_cae.manifold.filling import HOLE_KINDS, classify_holes, complete_from_curves
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.motion import JOINTS

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from data_synth import make_take
 from numpy_cae.cleanup.interpolation import mark_unknown_channels
-from numpy_cae.cleanup.regression import (
+from numpy_cae.cleanup.joint_regression import (
     blend_rotations,
     mean_rotation,
     regress_positions,
