@@ -305,7 +305,7 @@ def _aims(arm: np.ndarray, steady: slice) -> tuple[np.ndarray, float]:
     # The place p has the least distances from the lines of these frames: Σ (I - w wᵀ) (p - s) = 0.
     across = np.eye(3) - way[:, :, None] * way[:, None]
     sums = np.einsum("fij,fj->i", across[steady], arm[steady, 0])
-    place = np.linalg.lstsq(across[steady].sum(axis=0), sums)[0]
+    place = np.linalg.lstsq(across[steady].sum(axis=0), sums, rcond=None)[0]
     off = np.linalg.norm(np.einsum("fij,fj->fi", across, place - arm[:, 0]), axis=-1)
     score = 0.0
     if off[steady].max() <= AIM_METRES:
