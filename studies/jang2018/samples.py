@@ -17,10 +17,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation import diversity, nearest_distance, nearest_neighbour_accuracy
+from numpy_cae.evaluation import (
+    PCA,
+    diversity,
+    foot_sliding,
+    jitter,
+    nearest_distance,
+    nearest_neighbour_accuracy,
+)
 from numpy_cae.evaluation.tables import Table
 from numpy_cae.motion.joints import PARENTS
 from numpy_cae.viz import PLAIN, PROJECTED, TRUTH, Actor, strip_figure
+from studies.jang2018.behaviours import SHOWN, STANDING, count_behaviours
 from studies.jang2018.training import CLIPS, Study, discrepancy
 from studies.shared.result import Claim, Picture, Result
 
@@ -29,10 +37,22 @@ SHOWN_IN_PAPER = 16
 FITTED = "fitted"
 PRIOR = "prior"
 REAL = "test"
+PRINCIPAL = "PCA"
+TRAINING = "training"
 COLOURS = {FITTED: PROJECTED, PRIOR: PLAIN, REAL: TRUTH}
+MOVED = 40
+"""Clips whose jitter and sliding are measured."""
 SAMPLES = 100
 """Clips from each source that are measured."""
-HEADER = ("samples from", "near", "distinguished", "diversity")
+HEADER = ("samples from", "near", "distinguished", "diversity", "jitter", "sliding")
+FORMATS = ("", ".2f", ".0%", ".2f", ".2f", ".2f")
+NATURAL = 1.25
+"""Samples are natural if their distance to real clips, their jitter and their sliding are at most
+this many times those of other real clips, and …"""
+TOLD = 0.05
+"""… a classifier tells them from real clips at most so much better."""
+PCA_CLIPS = 1000
+"""Training clips to which PCA is fitted."""
 
 
 def fitted_latents(study: Study, count: int, seed: int) -> np.ndarray:
@@ -51,7 +71,23 @@ def sample_clips(study: Study, source: str, count: int, seed: int) -> np.ndarray
         return network.decode(fitted_latents(study, count, seed), frames)
     if source == PRIOR:
         return network.sample(count, np.random.default_rng([seed, 2]), frames)
-    return study.random_clips(count, seed, training=False)
+    if source == PRINCIPAL:
+        return sample_principal(study, count, seed)
+    return study.random_clips(count, seed, training=source == TRAINING)
+
+
+def sample_principal(study: Study, count: int, seed: int) -> np.ndarray:
+    """Clips (count, F, 54) of the simplest manifold: as many principal components of whole training
+    clips as z has numbers, each drawn from the normal distribution of its variance."""
+    fitted = study.random_clips(PCA_CLIPS, seed)
+    rows = fitted.reshape(len(fitted), -1)
+    pca = PCA.fit(rows)
+    axes = pca.axes[: study.manifold.network.latent]
+    deviation = ((rows - pca.mean) @ axes.T).std(axis=0)
+    rng = np.random.default_rng([seed, 3])
+    scores = deviation * rng.standard_normal((count, len(axes)))
+    clips = (pca.mean + scores @ axes).reshape(count, *fitted.shape[1:])
+    return clips.astype(fitted.dtype)
 
 
 def figure_3(study: Study, seed: int = 0, source: str = FITTED) -> Picture:
@@ -71,37 +107,113 @@ def samples(studies: Sequence[Study], seed: int = 0) -> Result:
     rows: list[list] = []
     for study in studies:
         rows += _rows(study, seed)
-    caption = "Samples compared with test clips:"
-    table = Table(caption, HEADER, rows, ("", ".2f", ".0%", ".2f"))
-    periodic = []
-    aperiodic = []
+    caption = "Samples compared with test clips; training clips, as real ones, have 1 but for the "
+    caption += "share that is distinguished:"
+    table = Table(caption, HEADER, rows, FORMATS)
+    claims = [_claim_of_nature(table, studies)]
+    diversities = {}
+    for source in (FITTED, PRINCIPAL):
+        diversities[source] = [
+            table.value(f"{study.action.name}: {source}", "diversity") for study in studies
+        ]
+    periodic = [study.action.periodic for study in studies]
+    if any(periodic) and not all(periodic):
+        claims.append(_claim_of_diversity(diversities, np.array(periodic)))
     for study in studies:
-        value = table.value(f"{study.action.name}: {FITTED}", "diversity")
-        if study.action.periodic:
-            periodic.append(value)
-        else:
-            aperiodic.append(value)
-    claims = []
-    if periodic and aperiodic:
-        listed = ", ".join(f"{value:.2f}" for value in aperiodic)
-        figures = f"{max(periodic):.2f} for the periodic action, {listed} for the others."
-        claims.append(Claim("samples_vary", max(periodic) < min(aperiodic), figures))
+        if study.action.name == "waiting":
+            claims.append(_claim_of_behaviours(study, seed))
     return Result("Samples of jang2018's manifolds compared with test clips", [table], claims)
 
 
+def _claim_of_nature(table: Table, studies: Sequence[Study]) -> Claim:
+    """Whether random points of the prior become clips as natural as real ones."""
+    is_natural = {}
+    figures = {}
+    for source in (PRIOR, PRINCIPAL):
+        of_actions = []
+        listed = []
+        for study in studies:
+            name = f"{study.action.name}: {source}"
+            near, told, _, trembling, sliding = [table.value(name, title) for title in HEADER[1:]]
+            real = table.value(f"{study.action.name}: {TRAINING}", "distinguished")
+            ratios = max(near, trembling, sliding)
+            of_actions.append(bool(told <= real + TOLD and ratios <= NATURAL))
+            listed.append(
+                f"{study.action.name} {told:.0%} distinguished (real {real:.0%}), distance "
+                f"{near:.2f}, jitter {trembling:.2f}, sliding {sliding:.2f}"
+            )
+        is_natural[source] = all(of_actions)
+        figures[source] = "; ".join(listed)
+    return Claim(
+        "samples_natural",
+        is_natural[PRIOR],
+        f"{figures[PRIOR]};",
+        opponent=f"PCA: {figures[PRINCIPAL]}.",
+        fulfilled_by="PCA with as many numbers" if is_natural[PRINCIPAL] else "",
+    )
+
+
+def _claim_of_diversity(diversities: dict[str, list[float]], periodic: np.ndarray) -> Claim:
+    """Whether samples of the periodic action differ less than those of the others."""
+    is_lower = {}
+    listed = {}
+    for source, values in diversities.items():
+        of_periodic = np.array(values)[periodic]
+        others = np.array(values)[~periodic]
+        is_lower[source] = bool(of_periodic.max() < others.min())
+        numbers = ", ".join(f"{value:.2f}" for value in others)
+        listed[source] = (
+            f"{of_periodic.max():.2f} for the periodic action, {numbers} for the others"
+        )
+    return Claim(
+        "samples_vary",
+        is_lower[FITTED],
+        f"{listed[FITTED]};",
+        opponent=f"PCA {listed[PRINCIPAL]}.",
+        fulfilled_by="PCA with as many numbers" if is_lower[PRINCIPAL] else "",
+    )
+
+
+def _claim_of_behaviours(study: Study, seed: int) -> Claim:
+    """Whether samples of waiting show every behaviour of figure 3."""
+    shows_all = {}
+    listed = {}
+    for source in (PRIOR, PRINCIPAL):
+        clips = sample_clips(study, source, SHOWN_IN_PAPER, seed)
+        counts = count_behaviours(study, clips, seed)
+        shows_all[source] = all(counts[behaviour] for behaviour in SHOWN)
+        listed[source] = ", ".join(f"{label} {counts[label]}" for label in (*SHOWN, STANDING))
+    return Claim(
+        "behaviours_reconstructed",
+        shows_all[PRIOR],
+        f"of {SHOWN_IN_PAPER} samples {listed[PRIOR]};",
+        opponent=f"PCA {listed[PRINCIPAL]}.",
+        fulfilled_by="PCA with as many numbers" if shows_all[PRINCIPAL] else "",
+    )
+
+
 def _rows(study: Study, seed: int) -> list[list]:
+    """A row for each source: all but the share that is distinguished relative to training clips."""
     held_out = study.random_clips(SAMPLES, seed, training=False)
-    training = study.random_clips(SAMPLES, seed + 1)
-    real_near = nearest_distance(training, held_out)
-    real_diversity = diversity(held_out)
+    measured = {}
+    for source in (FITTED, PRIOR, PRINCIPAL, TRAINING):
+        number = seed + 1 if source == TRAINING else seed
+        clips = sample_clips(study, source, SAMPLES, number)
+        positions = [study.positions(clip) for clip in clips[:MOVED]]
+        rate = study.manifold.rate
+        measured[source] = (
+            nearest_distance(clips, held_out),
+            nearest_neighbour_accuracy(held_out, clips),
+            diversity(clips),
+            float(np.mean([jitter(points, rate) for points in positions])),
+            float(np.mean([foot_sliding(points, rate) for points in positions])),
+        )
+    real = measured[TRAINING]
     rows = []
-    for source in (FITTED, PRIOR, REAL):
-        clips = training if source == REAL else sample_clips(study, source, SAMPLES, seed)
-        near = nearest_distance(clips, held_out)
-        spread = diversity(clips)
-        accuracy = nearest_neighbour_accuracy(held_out, clips)
-        measured = near / real_near, accuracy, spread / real_diversity
-        rows.append([f"{study.action.name}: {source}", *measured])
+    for source, values in measured.items():
+        ratios = [value / max(of_real, 1e-9) for value, of_real in zip(values, real, strict=True)]
+        ratios[1] = values[1]
+        rows.append([f"{study.action.name}: {source}", *ratios])
     return rows
 
 
