@@ -1,165 +1,268 @@
 """Every statement of both papers that can be measured, in one table.
 
     python -m studies claims --quick
-    python -m studies claims --data bandai --test '*_005.bvh' --paper paper.npz --best best.npz
+    python -m studies claims --data bandai --test '*_005.bvh' -o claims
 
-holden2015 is judged with the network and the schedule of the paper, trained on takes of the source
-that is measured, and with that of `--recipe best`, each beside the strongest simple opponent. A
-network without a file is trained first. Without --data the takes are synthetic. jang2018 is judged
-by `python -m studies sequences`, with fewer minutes and steps. --quick has fewer of all.
+Each statement has a rule, opponents, takes, seeds and a spread, which are written in
+`studies/shared/statements.json` before they are measured. holden2015 is judged with the network and
+the schedule of the paper, trained on takes of the source that is measured, and with that of
+`--recipe best`, some seeds of each; choices of training and depth with smaller networks; press-ups
+with a network that learned press-ups. Networks are kept in the folder of --cache, or read from
+--paper and --best. Without --data the takes are synthetic. jang2018 is judged by the studies
+`sequences` and `sequence_choices`, with fewer minutes and steps. --quick has fewer of all: one
+network of `--recipe fast`, one seed.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from data_synth import plan_takes, write_series
-from numpy_cae.manifold import MotionManifold, learn_manifold, load_manifold
-from numpy_cae.training import SEQUENCE_RECIPES, TrainingState, recipe
-from studies import depth, sequences
+from numpy_cae.manifold import MotionManifold, load_manifold
+from numpy_cae.training import SEQUENCE_RECIPES, recipe
+from studies import interpolation, sequence_choices, sequences
 from studies.jang2018.actions import ACTIONS, synthetic_action
+from studies.shared.judging import agreed
 from studies.shared.material import Material, read_material
 from studies.shared.messages import note
-from studies.shared.result import STATEMENTS, Claim, Result, Table
+from studies.shared.result import STATEMENTS, VERDICTS, Claim, Result, Table
+from studies.shared.trained import Trainer
+from studies.training_choices import shortened
 
-STUDIES = "representation sampling repair_sweep kinect filling_in interpolation comparison".split()
-"""Those of a manifold, in the order of holden2015."""
+STUDIES: dict[str, dict[str, Any]] = {
+    "representation": {},
+    "sampling": {},
+    "repair_sweep": {"shares": (0.5,)},
+    "kinect": {},
+    "wrist": {},
+    "stepped_keys": {},
+    "interpolation": {},
+    "comparison": {},
+}
+"""Studies of a manifold, in the order of holden2015, and their own arguments."""
+SMALL_STUDIES = ("training_choices", "depth", "scaling")
+"""Studies that train smaller networks themselves."""
 RATE = 30.0
-MINUTES = 20.0
-"""Of the synthetic takes, every fifth of which is measured."""
-QUICK_MINUTES = 8.0
-"""The same with --quick."""
-SEQUENCES = {False: (15.0, 1000), True: (4.0, 200)}
+SEEDS = 3
+MINUTES = {False: 20.0, True: 5.0}
+"""Minutes of the synthetic takes, every fifth of which is measured, and with --quick."""
+PRESS_UPS = ("press_ups", "walk", "confident_walk")
+"""Kinds of the takes from which the network of press-ups learns."""
+SEQUENCES = {False: (15.0, 1000), True: (2.0, 60)}
 """Minutes of each action of jang2018 and steps of training, without --quick and with it."""
-DEPTH_EPOCHS = 2
-"""Epochs of the study `depth` with --quick."""
+CHOICES = {False: (8.0, 400), True: (1.0, 40)}
+"""The same of the choices of jang2018."""
 PAPER = "the paper's"
 BEST = "best"
+QUICK = "fast, few epochs"
 BOTH = ""
-HEADER = ("statement", "network", "measured", "strongest simple opponent", "verdict")
+HEADER = ("statement", "network", "measured", "strongest simple opponent", "verdict", "seeds")
 
 
 @dataclass(frozen=True)
 class JudgedClaim:
-    """A claim, and the network that was judged by it: `PAPER`, `BEST` or `BOTH`."""
+    """A claim of each seed, and the network that was judged: `PAPER`, `BEST`, `QUICK`, `BOTH`."""
 
     network: str
-    claim: Claim
+    of_seeds: Sequence[Claim]
+
+    def merged(self) -> Claim:
+        """The claim of all seeds: undecided where they differ."""
+        first = self.of_seeds[0]
+        fulfilled = agreed([claim.fulfilled for claim in self.of_seeds])
+        also = first.fulfilled_by
+        if not all(claim.fulfilled_by for claim in self.of_seeds):
+            also = ""
+        return replace(first, fulfilled=fulfilled, fulfilled_by=also)
 
     def row(self) -> list[object]:
-        """The row of the table."""
-        claim = self.claim
-        return [claim.statement, self.network, claim.figures, claim.opponent, claim.verdict]
+        """The row of the table; figures are those of the first seed."""
+        claim = self.merged()
+        verdicts = [of_seed.verdict for of_seed in self.of_seeds]
+        seeds = str(len(verdicts)) if len(set(verdicts)) == 1 else ", ".join(verdicts)
+        figures = [claim.statement, self.network, claim.figures, claim.opponent]
+        return [*figures, claim.verdict, seeds]
 
     def named(self) -> Claim:
         """The claim, which says of which network it is."""
-        if not self.network:
-            return self.claim
-        subjects = [self.network]
-        if self.claim.of:
-            subjects.append(self.claim.of)
-        return replace(self.claim, of=", ".join(subjects))
+        claim = self.merged()
+        subjects = [subject for subject in (self.network, claim.of) if subject]
+        return replace(claim, of=", ".join(subjects))
 
 
 def run(
     material: Material | None = None,
     seed: int = 0,
+    trainer: Trainer | None = None,
     paper: Path | None = None,
     best: Path | None = None,
     quick: bool = False,
-    progress: Callable[[TrainingState], None] | None = None,
+    seeds: int = SEEDS,
 ) -> Result:
     """Judge all statements.
 
     A study that this source has no takes for is left out, which the note of the result says.
     """
     notes: list[str] = []
+    trainer = trainer or Trainer()
+    seeds = 1 if quick else seeds
     with TemporaryDirectory() as folder:
         if material is None:
-            material = make_material(Path(folder), QUICK_MINUTES if quick else MINUTES, seed)
-        judged = judge_network(PAPER, paper, material, seed, progress, notes)
-        judged += judge_network(BEST, best, material, seed, progress, notes)
-        judged += judge_depth(material, seed, quick, notes)
-    for claim in judge_sequences(quick, seed).claims:
-        judged.append(JudgedClaim(BOTH, claim))
+            material = make_material(Path(folder), MINUTES[quick], seed)
+        judged: list[JudgedClaim] = []
+        for name, path in ((PAPER, paper), (BEST, best)):
+            if quick and name == PAPER:
+                continue
+            networks = networks_of(name, path, material, trainer, range(seed, seed + seeds), quick)
+            judged += judge_networks(QUICK if quick else name, networks, material, notes)
+        judged += judge_small_networks(material, seed, trainer, quick, notes)
+        if not has_press_ups(material):
+            judged += judge_press_ups(Path(folder) / "press_ups", seed, trainer, quick)
+    judged += judge_sequences(quick, seed, seeds)
     judged = in_order_of_statements(judged)
     caption = "Statements of both papers and of this project's tests of them:"
     table = Table(caption, HEADER, [judged_claim.row() for judged_claim in judged])
     claims = [judged_claim.named() for judged_claim in judged]
-    return Result("Statements of both papers", [table], claims, note="\n".join(notes))
+    tables = [count_verdicts(claims), table]
+    return Result("Statements of both papers", tables, claims, note="\n".join(notes))
+
+
+def count_verdicts(claims: Sequence[Claim]) -> Table:
+    """How many claims have each verdict."""
+    rows = []
+    for verdict, meaning in VERDICTS.items():
+        rows.append([verdict, sum(claim.verdict == verdict for claim in claims), meaning])
+    return Table("Verdicts:", ["verdict", "claims", "meaning"], rows)
 
 
 def in_order_of_statements(judged: list[JudgedClaim]) -> list[JudgedClaim]:
     """The claims of each statement together, the statements in the order of `STATEMENTS`."""
     ordered = []
     for key in STATEMENTS:
-        ordered += [judged_claim for judged_claim in judged if judged_claim.claim.key == key]
+        ordered += [claim for claim in judged if claim.of_seeds[0].key == key]
     return ordered
 
 
-def make_material(folder: Path, minutes: float, seed: int) -> Material:
+def make_material(
+    folder: Path, minutes: float, seed: int, kinds: Sequence[str] | None = None
+) -> Material:
     """Synthetic takes in files, every fifth for testing."""
-    plans = plan_takes(minutes, seed)
+    plans = plan_takes(minutes, seed, kinds)
     note(f"{len(plans)} takes are made")
     write_series(plans, folder, rate=RATE)
     return read_material([folder], [f"{plan.name}.bvh" for plan in plans[4::5]])
 
 
-def judge_network(
+def networks_of(
     name: str,
     path: Path | None,
     material: Material,
-    seed: int,
-    progress: Callable[[TrainingState], None] | None,
-    notes: list[str],
-) -> list[JudgedClaim]:
-    """The claims of all studies of a manifold: that of a file, or one that is trained first."""
-    if path is None:
-        manifold = train(name, material, seed, progress)
-    else:
+    trainer: Trainer,
+    seeds: Sequence[int],
+    quick: bool = False,
+) -> list[MotionManifold]:
+    """The network of a file, or those of each seed, trained first unless they are kept."""
+    if path is not None:
         manifold = load_manifold(path)
+        if not isinstance(manifold, MotionManifold):
+            raise ValueError(f"{path}: not a convolutional, but a sequential manifold")
+        return [manifold]
+    schedule = recipe("paper" if name == PAPER else "best")
+    if quick:
+        schedule = shortened(recipe("fast"), 20)
+    takes = [take.positions for take in material.training]
+    networks = []
+    for seed in seeds:
+        note(f"the network is trained or read: {name}, seed {seed}")
+        networks.append(trainer.learn(takes, schedule, seed))
+    return networks
+
+
+def judge_networks(
+    name: str, networks: Sequence[MotionManifold], material: Material, notes: list[str]
+) -> list[JudgedClaim]:
+    """The claims of all studies of a manifold, of the networks of all seeds."""
     judged = []
-    for study in STUDIES:
+    for study, arguments in STUDIES.items():
         run_study = import_module(f"studies.{study}").run
-        note(study)
-        try:
-            claims = run_study(manifold=manifold, material=material, seed=seed).claims
-        except ValueError as error:
-            notes.append(f"{study}, {name}: could not be run: {error}.")
-            note(notes[-1])
-        else:
-            judged += [JudgedClaim(name, claim) for claim in claims]
+        of_networks = []
+        for number, manifold in enumerate(networks):
+            note(f"{study}, {name}, network {number + 1} of {len(networks)}")
+            claims = run_if_possible(
+                run_study,
+                f"{study}, {name}",
+                notes,
+                manifold=manifold,
+                material=material,
+                **arguments,
+            )
+            if claims:
+                of_networks.append(claims)
+        for of_claim in zip(*of_networks, strict=True):
+            judged.append(JudgedClaim(name, of_claim))
     return judged
 
 
-def train(
-    name: str, material: Material, seed: int, progress: Callable[[TrainingState], None] | None
-) -> MotionManifold:
-    """The network that is trained by the recipe of this name on the training takes."""
-    note(f"the network is trained: {name}")
-    schedule = recipe("paper" if name == PAPER else "best")
-    takes = [take.positions for take in material.training]
-    return learn_manifold(takes, schedule, seed, report=progress)
-
-
-def judge_depth(material: Material, seed: int, quick: bool, notes: list[str]) -> list[JudgedClaim]:
-    """The claims of the study `depth`, which trains networks of its own."""
-    epochs = DEPTH_EPOCHS if quick else depth.EPOCHS
-    note("depth")
+def run_if_possible(
+    run_study: Callable[..., Result], name: str, notes: list[str], **arguments: Any
+) -> list[Claim]:
+    """The claims of a study; none where it cannot be run, which a note then says."""
     try:
-        claims = depth.run(material, seed, epochs).claims
+        return list(run_study(**arguments).claims)
     except ValueError as error:
-        notes.append(f"depth: could not be run: {error}.")
-        note(notes[-1])
+        text = f"{name}: could not be run: {error}."
+        if text not in notes:
+            notes.append(text)
+        note(text)
         return []
-    return [JudgedClaim(BOTH, claim) for claim in claims]
 
 
-def judge_sequences(quick: bool, seed: int) -> Result:
-    """The study of jang2018 on synthetic actions, with fewer minutes and steps."""
+def judge_small_networks(
+    material: Material, seed: int, trainer: Trainer, quick: bool, notes: list[str]
+) -> list[JudgedClaim]:
+    """The claims of the studies that train smaller networks themselves."""
+    judged = []
+    for study in SMALL_STUDIES:
+        note(study)
+        arguments: dict[str, Any] = {"material": material, "seed": seed, "trainer": trainer}
+        if quick:
+            arguments |= {"epochs": 1, "seeds": 1}
+        claims = run_if_possible(import_module(f"studies.{study}").run, study, notes, **arguments)
+        judged += [JudgedClaim(BOTH, [claim]) for claim in claims]
+    return judged
+
+
+def has_press_ups(material: Material) -> bool:
+    """Whether there are press-ups to test with."""
+    return any("press_up" in take.content for take in material.testing)
+
+
+def judge_press_ups(folder: Path, seed: int, trainer: Trainer, quick: bool) -> list[JudgedClaim]:
+    """The claims of the interpolation of press-ups and a walk, by a network that learned them from
+    synthetic takes."""
+    note("interpolation of press-ups")
+    material = make_material(folder, MINUTES[quick], seed, PRESS_UPS)
+    takes = [take.positions for take in material.training]
+    manifold = trainer.learn(takes, recipe("fast"), seed)
+    judged = []
+    for claim in interpolation.run(manifold, material).claims:
+        if claim.of == interpolation.PRESS_UPS:
+            judged.append(JudgedClaim("fast, synthetic", [claim]))
+    return judged
+
+
+def judge_sequences(quick: bool, seed: int, seeds: int) -> list[JudgedClaim]:
+    """The claims of jang2018 on synthetic actions, with fewer minutes and steps."""
     minutes, steps = SEQUENCES[quick]
-    actions = [synthetic_action(kind, minutes, seed) for kind in ACTIONS]
     schedule = replace(SEQUENCE_RECIPES["fast"], epochs=10, steps=steps // 10)
-    return sequences.run(actions, schedule, {}, seed)
+    of_seeds = []
+    for number in range(seed, seed + seeds):
+        actions = [synthetic_action(kind, minutes, number) for kind in ACTIONS]
+        of_seeds.append(sequences.run(actions, schedule, {}, number).claims)
+    judged = [JudgedClaim(BOTH, of_claim) for of_claim in zip(*of_seeds, strict=True)]
+    minutes, steps = CHOICES[quick]
+    choices = sequence_choices.run(seed, min(seeds, sequence_choices.SEEDS), steps, minutes)
+    return judged + [JudgedClaim(BOTH, [claim]) for claim in choices.claims]

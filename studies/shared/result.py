@@ -95,6 +95,16 @@ class Claim:
         of = self.of and f": {self.of}"
         return f"{statement['sentence']} ({statement['source']}{rule}){of}."
 
+    @property
+    def circumstances(self) -> str:
+        """The opponents, takes, seeds and spread of the statement, as far as it has them."""
+        statement = STATEMENTS[self.key]
+        parts = []
+        for name in ("opponents", "takes", "seeds", "spread"):
+            if statement[name]:
+                parts.append(f"{name.capitalize()}: {statement[name]}.")
+        return " ".join(parts)
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -162,7 +172,8 @@ def text(result: Result) -> str:
     """The title, the tables in Markdown's form, the note, the claims and the provenance."""
     claims = []
     for claim in result.claims:
-        claims.append(f"{claim.verdict}: {claim.sentence} Measured: {measured(claim)}")
+        judged = f"{claim.verdict}: {claim.sentence} Measured: {measured(claim)}"
+        claims.append(f"{judged} {claim.circumstances}".strip())
     tables = [table.text() for table in result.tables]
     provenance = [f"{name}: {value}" for name, value in result.provenance.items()]
     parts = [result.title, result.about, *tables, result.note]
