@@ -50,7 +50,8 @@ class Schedule:
     """Training of the convolutional autoencoder: each layer by itself, then all of them together.
 
     With 0 epochs for the layers, training is end to end. The paper does not state the epochs of
-    fine tuning; we take as many as for one layer.
+    fine tuning; we take as many as for one layer. By the minutes of its section 7, 43 + 51 + 77 for
+    25 epochs of the three layers and 133 for fine tuning, it has about 19.
 
     Parameters
     ----------
