@@ -9,7 +9,7 @@ the cases that fail have in common.
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import permutations, zip_longest
 from operator import itemgetter
@@ -18,18 +18,14 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.verify.operations.case import Case
-from numpy_cae.verify.operations.compare import Comparison, compare_with_definition
+from numpy_cae.verify.operations.compare import Comparison
 from numpy_cae.verify.operations.counterexample import failing_case
 from numpy_cae.verify.operations.operation import Operation
-from numpy_cae.verify.operations.patch import bugs_of, conventions_of, definition_of
+from numpy_cae.verify.operations.patch import bugs_of, conventions_of
 from numpy_cae.verify.operations.property import Property
-from numpy_cae.verify.operations.shared_properties import state_property
-from numpy_cae.verify.operations.upstream import UPSTREAM
 
 SEVERAL = 2
 """A mistake is named only if the right operation differs in at least this many cases."""
-GENERAL_CASES = 8
-"""Two mistakes that explain the same are compared in so many further cases."""
 LOST_DIGITS = 1e-5
 """Results lose digits only if they are off by less than this part of the largest entry."""
 MOST = 0.6
@@ -92,24 +88,19 @@ def likely_mistake(stated: Property, implementation: Callable, of_kind: str = ""
 
 
 def _known_mistake(trials: _Trials) -> str:
-    """The sentence on the planted bug or convention that does the same, or "".
+    """The sentence on the first planted bug or convention that does the same, or "".
 
-    Of several the one that explains most results of general cases.
+    Those that the property is meant for come first.
     """
-    operation = trials.comparison.operation
-    best = ""
-    most_effects = -1
-    for patch in (*bugs_of(operation.name), *conventions_of(operation.name)):
-        wrong = patch.function()
-        if not _does_the_same(trials, wrong):
-            continue
-        effects = _shared_effects(operation, trials.implementation, wrong)
-        if effects > most_effects:
-            most_effects = effects
-            best = patch.sentence
-            if not patch.caught_by:
-                best = f"another convention, which may be allowed: {patch.sentence}"
-    return best
+    name = trials.comparison.operation.name
+    patches = [*bugs_of(name), *conventions_of(name)]
+    patches.sort(key=lambda patch: patch.caught_by != trials.stated.name)
+    for patch in patches:
+        if _does_the_same(trials, patch.function()):
+            if patch.caught_by:
+                return patch.sentence
+            return f"another convention, which may be allowed: {patch.sentence}"
+    return ""
 
 
 def _does_the_same(trials: _Trials, wrong: Callable) -> bool:
@@ -118,22 +109,6 @@ def _does_the_same(trials: _Trials, wrong: Callable) -> bool:
         if not same(results, trials.comparison.results(wrong, case)):
             return False
     return True
-
-
-def _shared_effects(operation: Operation, implementation: Callable, wrong: Callable) -> int:
-    """The number of results that a wrong operation changes; -1 if the implementation's differ."""
-    general = state_property(operation, "diagnosis", "", compare_with_definition, UPSTREAM)
-    comparison = Comparison(operation, compare_with_definition)
-    definition = definition_of(operation.name)
-    changed: set[int] = set()
-    differing: set[int] = set()
-    for case in replace(general, examples=GENERAL_CASES).cases():
-        results = comparison.results(implementation, case)
-        wrong_results = comparison.results(wrong, case)
-        right = comparison.results(definition, case)
-        changed |= _differing(wrong_results, right)
-        differing |= _differing(wrong_results, results)
-    return -1 if changed & differing else len(changed)
 
 
 def misplaced_gradient(stated: Property, operation: Operation, implementation: Callable) -> str:

@@ -67,6 +67,8 @@ ADJOINT_IN_FLOAT32 = 1e-4
 """The same where an argument is an array of float32."""
 FURTHER_CALLS = 7
 """In some cases a result is compared again after so many further calls."""
+HISTORIES = 12
+"""Independence is tried on at least so many cases, each of which is ten calls or more."""
 POINTS = 2
 """The points of the value and of each gradient; every other property has one."""
 
@@ -132,9 +134,9 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     few = UPSTREAM | LAYOUT | _sizes_up_to_dense(operation)
     yield state_property(operation, "dtype", PRECISE, _compare_dtypes, few)
     yield state_property(operation, "purity", PURE, _compare_inputs, UPSTREAM | WRITABLE)
-    yield state_property(
-        operation, "independence", INDEPENDENT, _compare_calls, UPSTREAM | WRITABLE
-    )
+    classes = UPSTREAM | WRITABLE
+    independence = state_property(operation, "independence", INDEPENDENT, _compare_calls, classes)
+    yield replace(independence, examples=HISTORIES)
     if operation.has_right_gradients:
         yield _state_special_inputs(operation)
 
