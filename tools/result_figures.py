@@ -1,15 +1,22 @@
-"""Draw the charts of docs/results.md from what studies measured.
+"""Draw the charts and write the tables of documents from what studies measured.
 
     python -m studies damage --data bandai --test '*_005.bvh' -o damage
     python -m tools.result_figures damage/report.json
 
-keeps the tables of the report in docs/tables/damage.json, and draws docs/pictures/damage.png and
-holes.png from them. Without a report the charts are drawn again from the tables that are kept.
+keeps the tables of the report in docs/tables/damage.json, draws docs/pictures/damage.png from them,
+and writes them into docs/results.md and the lab book, between lines such as
+
+    <!-- table damage 0 -->
+    <!-- end of table -->
+
+Without a report the charts and tables are made again from what is kept.
 """
 
 import json
+import re
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -26,10 +33,8 @@ from studies.shared.charts import (
 from studies.shared.result import Table
 
 DOCS = Path(__file__).parents[1] / "docs"
-STUDIES = ("sources", "damage", "speed")
-"""The studies that have charts."""
-TABLES_ONLY = ("real_bugs",)
-"""The studies whose tables are kept and not drawn."""
+TABLE = re.compile(r"(<!-- table (\w+) (\d+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+"""Where a document has a table: the study and the number of the table among its tables, from 0."""
 DPI = 150
 
 
@@ -46,18 +51,15 @@ def charts(study: str, tables: list[Table]) -> Iterator[tuple[str, Callable[[], 
         yield "speed", partial(draw_speed, tables[:2])
 
 
-def tables_of(result: dict) -> list[Table]:
-    """The tables of one study in report.json."""
-    return [Table(table["caption"], table["header"], table["rows"]) for table in result["tables"]]
+def kept_tables(study: str) -> list[Table]:
+    """The tables of a study that are kept in docs/tables."""
+    kept = json.loads((DOCS / "tables" / f"{study}.json").read_text(encoding="utf-8"))
+    return [Table(**table) for table in kept["tables"]]
 
 
 def keep(report: Path) -> None:
     """Write the tables and the provenance of each study of a report to docs/tables."""
     for study, result in json.loads(report.read_text(encoding="utf-8")).items():
-        if study not in STUDIES + TABLES_ONLY:
-            raise ValueError(
-                f"{report}: {study} has no chart; those of {', '.join(STUDIES)} have"
-            )
         kept = {name: result[name] for name in ("title", "tables", "provenance")}
         text = json.dumps(kept, indent=1, ensure_ascii=False)
         (DOCS / "tables" / f"{study}.json").write_text(text + "\n", encoding="utf-8")
@@ -65,18 +67,35 @@ def keep(report: Path) -> None:
 
 def draw_all() -> None:
     """Draw every chart whose tables are kept."""
-    for study in STUDIES:
-        path = DOCS / "tables" / f"{study}.json"
-        if not path.exists():
-            continue
-        tables = tables_of(json.loads(path.read_text(encoding="utf-8")))
-        for name, draw in charts(study, tables):
+    for path in sorted((DOCS / "tables").glob("*.json")):
+        for name, draw in charts(path.stem, kept_tables(path.stem)):
             with atomic_write(DOCS / "pictures" / f"{name}.png") as temporary:
                 draw().savefig(temporary, format="png", dpi=DPI)
             print(f"docs/pictures/{name}.png")
+
+
+def write_tables(document: str) -> str:
+    """A document with the tables that are kept."""
+
+    def table(found: re.Match) -> str:
+        kept = kept_tables(found[2])[int(found[3])]
+        return found[1] + replace(kept, caption="").text() + "\n" + found[4]
+
+    return TABLE.sub(table, document)
+
+
+def write_all() -> None:
+    """Write the tables into every document that has marked places for them."""
+    for path in sorted(DOCS.glob("*.md")) + sorted(DOCS.glob("lab_book/*.md")):
+        document = path.read_text(encoding="utf-8")
+        written = write_tables(document)
+        if written != document:
+            path.write_text(written, encoding="utf-8")
+            print(path.relative_to(DOCS.parent))
 
 
 if __name__ == "__main__":
     for argument in sys.argv[1:]:
         keep(Path(argument))
     draw_all()
+    write_all()

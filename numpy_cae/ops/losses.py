@@ -2,12 +2,11 @@
 
 The paper has norms, sums over elements; a mean keeps the learning rate independent of the window's
 length, the number of features and the batch. With sums, training diverges at the paper's rate of
-0.5 in the fourth step (docs/lab_book/equations.md). The paper's α
-is our α multiplied by N / N_Y, where N is the number of elements of the input X and N_Y that of the
-hidden units Y: our 0.01 is 0.0197 in the paper's sums for layer 1, whose input has 160 x 63
-elements and whose output 80 x 64, and 0.01 for layers 2 and 3, where both are equal. Measured by
-`python -m studies training_choices` (docs/lab_book/equations.md). A loss is a scalar, so its pullback takes a number: 1 by default, or the weight
-of the loss if the loss is one term of a sum.
+0.5 in the fourth step. The paper's α is our α multiplied by N / N_Y, where N is the number of
+elements of the input X and N_Y that of the hidden units Y: our 0.01 is 0.0197 in the paper's sums
+for layer 1, whose input has 160 x 63 elements and whose output 80 x 64, and 0.01 for layers 2 and
+3, where both are equal (measured: docs/lab_book/equations.md). A loss is a scalar, so its pullback
+takes a number: 1 by default, or the weight of the loss if the loss is one term of a sum.
 """
 
 import numpy as np

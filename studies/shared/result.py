@@ -190,11 +190,12 @@ def measured(claim: Claim) -> str:
 
 
 def data(result: Result) -> dict:
-    """Everything but the pictures and the formats, in the types of JSON and NumPy's numbers."""
+    """Everything but the pictures, in the types of JSON and NumPy's numbers."""
     tables = []
     for table in result.tables:
         rows = [[_in_json(cell) for cell in row] for row in table.rows]
-        tables.append({"caption": table.caption, "header": table.header, "rows": rows})
+        kept = {"caption": table.caption, "header": table.header, "rows": rows}
+        tables.append(kept | {"formats": table.formats})
     claims = []
     for claim in result.claims:
         claims.append(vars(claim) | {"verdict": claim.verdict, "sentence": claim.sentence})
