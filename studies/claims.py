@@ -147,10 +147,10 @@ def in_order_of_statements(judged: list[JudgedClaim]) -> list[JudgedClaim]:
 
 
 def make_material(
-    folder: Path, minutes: float, seed: int, kinds: Sequence[str] | None = None
+    folder: Path, minutes: float, seed: int, motion_kinds: Sequence[str] | None = None
 ) -> Material:
     """Synthetic takes in files, every fifth for testing."""
-    plans = plan_takes(minutes, seed, kinds)
+    plans = plan_takes(minutes, seed, motion_kinds)
     note(f"{len(plans)} takes are made")
     write_series(plans, folder, rate=RATE)
     return read_material([folder], [f"{plan.name}.bvh" for plan in plans[4::5]])

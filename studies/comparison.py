@@ -335,26 +335,32 @@ def nearest(manifold: MotionManifold, rows: dict[str, Rows], seed: int) -> Resul
     for number, scene in enumerate([QUERY] * QUERIES + scenes):
         clips.append(manifold.features(_body(scene, seed, number))[0])
     counts = {}
-    found = {}
+    places_found = {}
     for name, of_clip in rows.items():
         between = distances(of_clip, clips[:QUERIES], clips[QUERIES:])
-        found[name] = np.argsort(between, axis=1, kind="stable")[:, :NEAREST]
-        counts[name] = Counter(scenes[place] for place in found[name].ravel())
+        places_found[name] = np.argsort(between, axis=1, kind="stable")[:, :NEAREST]
+        counts[name] = Counter(scenes[place] for place in places_found[name].ravel())
     table = Table(
         f"Shares of the nearest {NEAREST} of {QUERIES} queries, {QUERY}:",
         ["motion", *rows],
         [[scene, *(_share(counts[name], [scene]) for name in rows)] for scene in SCENES],
         ".0%",
     )
-    similar = {name: _shares(places, scenes, SIMILAR) for name, places in found.items()}
-    odd = {name: _shares(places, scenes, ODD) for name, places in found.items()}
+    return Result("", [table], _claims_of_example(places_found, scenes))
+
+
+def _claims_of_example(places_found: dict[str, np.ndarray], scenes: list[str]) -> list[Claim]:
+    """What each distance finds for the paper's own example: the places of the nearest motions of
+    each query, (Q, `NEAREST`)."""
+    similar = {name: _shares(places, scenes, SIMILAR) for name, places in places_found.items()}
+    odd = {name: _shares(places, scenes, ODD) for name, places in places_found.items()}
     ours = mean_of(similar[EQUATION_4])
     of_all = {name: float(of_queries.mean()) for name, of_queries in similar.items()}
     perfect = [name for name in (RAW_EXTREMES, PRINCIPAL, EUCLIDEAN) if of_all[name] == 1]
     opponents = ", ".join(f"{name} {of_all[name]:.0%}" for name in similar if name != EQUATION_4)
     gap = mean_of(similar[EQUATION_4] - similar[PRINCIPAL])
     euclidean = mean_of(odd[EUCLIDEAN])
-    claims = [
+    return [
         Claim(
             "G_finds_only",
             of_all[EQUATION_4] == 1,
@@ -377,13 +383,12 @@ def nearest(manifold: MotionManifold, rows: dict[str, Rows], seed: int) -> Resul
             opponent=f"{PRINCIPAL} {of_all[PRINCIPAL]:.0%}.",
         ),
     ]
-    return Result("", [table], claims)
 
 
-def _shares(places: np.ndarray, scenes: list[str], kinds: Sequence[str]) -> np.ndarray:
+def _shares(places: np.ndarray, scenes: list[str], similar: Sequence[str]) -> np.ndarray:
     """For each query the share of its nearest motions that are of certain scenes, (Q,)."""
-    is_of_kind = np.array([scene in kinds for scene in scenes])
-    return is_of_kind[places].mean(axis=1)
+    is_similar = np.array([scene in similar for scene in scenes])
+    return is_similar[places].mean(axis=1)
 
 
 def _body(scene: str, seed: int, number: int) -> np.ndarray:

@@ -90,8 +90,8 @@ def _claim_of_depth(errors: dict[str, list[Errors]], linear: float) -> Claim:
         repairs = []
         for layers in range(1, len(FILTERS) + 1):
             repairs.append([of_seed.repair for of_seed in errors[_named(schedule, layers)]])
-        one, two, three = repairs
-        fulfilled += [seeds_below(three, one), seeds_below(three, two)]
+        first, second, third = repairs
+        fulfilled += [seeds_below(third, first), seeds_below(third, second)]
         listed = ", ".join(f"{np.mean(of_layers):.2f}" for of_layers in repairs)
         figures.append(f"{schedule}: one, two and three layers {listed} cm")
     return Claim(

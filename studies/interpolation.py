@@ -145,18 +145,18 @@ def _claim(
     """Compare all measures with another method."""
     better = compare_measures(measured, ALONG, opponent)
     names = [name for name, is_better in better.items() if is_better]
-    along, other = (Validity.mean(measured[name]) for name in (ALONG, opponent))
+    along, of_opponent = (Validity.mean(measured[name]) for name in (ALONG, opponent))
     figures = (
         f"{ALONG} is better than {opponent} on {len(names)} of {len(better)} measures "
-        f"({', '.join(names) or 'none'}): {along.against(other)}."
+        f"({', '.join(names) or 'none'}): {along.against(of_opponent)}."
     )
     also = ""
-    beside = ""
+    simplest = ""
     if opponent == LINEAR:
-        beside = f"{WITH_LENGTHS}: {Validity.mean(measured[WITH_LENGTHS]).listed()}."
+        simplest = f"{WITH_LENGTHS}: {Validity.mean(measured[WITH_LENGTHS]).listed()}."
         if all_of(*compare_measures(measured, WITH_LENGTHS, LINEAR).values()):
             also = WITH_LENGTHS
-    return Claim(key, all_of(*better.values()), figures, kind, beside, also)
+    return Claim(key, all_of(*better.values()), figures, kind, simplest, also)
 
 
 def compare_measures(

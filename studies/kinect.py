@@ -56,14 +56,14 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     squares = {name: testing.squares_by_take(x) for name, x in methods.items()}
     errors = {name: root_mean_square(of_takes) for name, of_takes in squares.items()}
     best = min(repaired, key=lambda name: errors[name])
-    left = ratio_of_errors(squares[NETWORK], squares[SEEN])
+    share_left = ratio_of_errors(squares[NETWORK], squares[SEEN])
     left_by_best = ratio_of_errors(squares[best], squares[SEEN])
     shown = {TRUE: (testing.x, TRUTH), SEEN: (seen, CORRUPTED), NETWORK: (projected, PROJECTED)}
     drawn = {name: (manifold.denormalise(x[0]), colour) for name, (x, colour) in shown.items()}
     claim = Claim(
         "kinect_closer",
-        left.at_most(MOST_LEFT),
-        f"{errors[SEEN]:.2f} cm before, {errors[NETWORK]:.2f} cm after, {left:.2f} of it;",
+        share_left.at_most(MOST_LEFT),
+        f"{errors[SEEN]:.2f} cm before, {errors[NETWORK]:.2f} cm after, {share_left:.2f} of it;",
         opponent=f"{best}: {errors[best]:.2f} cm, {left_by_best:.2f}.",
         fulfilled_by=best if left_by_best.at_most(MOST_LEFT) else "",
     )

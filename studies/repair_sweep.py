@@ -107,19 +107,19 @@ def _claims(squares: dict[str, np.ndarray]) -> list[Claim]:
     as much; and the completion beside the simple methods that are given the mask."""
     errors = {name: root_mean_square(of_takes) for name, of_takes in squares.items()}
     before = squares[tables.DAMAGED]
-    left = ratio_of_errors(squares[tables.NETWORK], before)
+    share_left = ratio_of_errors(squares[tables.NETWORK], before)
     simple = min(tables.SIMPLE, key=lambda name: errors[name])
     left_by_simple = ratio_of_errors(squares[simple], before)
     figures = (
         f"{errors[tables.DAMAGED]:.2f} cm before, {errors[tables.NETWORK]:.2f} cm after: "
-        f"{left:.3f} of the error is left;"
+        f"{share_left:.3f} of the error is left;"
     )
     opponent = f"{simple}: {errors[simple]:.2f} cm, {left_by_simple:.3f}."
     claims = []
     for key, share in (("half_recovered", 0.1), ("matches_closely", 0.01)):
         bound = share**0.5
         also = simple if left_by_simple.at_most(bound) else ""
-        claims.append(Claim(key, left.at_most(bound), figures, "", opponent, also))
+        claims.append(Claim(key, share_left.at_most(bound), figures, "", opponent, also))
     claims.append(_claim_against(squares, "better_than_simple", tables.NETWORK, simple))
     with_mask = min(tables.SIMPLE_WITH_MASK, key=lambda name: errors[name])
     claims.append(_claim_against(squares, "completed_better", tables.COMPLETED, with_mask))

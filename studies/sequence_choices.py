@@ -45,10 +45,10 @@ def run(
     seeds: int = SEEDS,
     steps: int = STEPS,
     minutes: float = MINUTES,
-    kinds: tuple[str, ...] = ACTIONS,
+    names: tuple[str, ...] = ACTIONS,
 ) -> Result:
     """Train each network on each action, and measure it on held-out clips."""
-    actions = [synthetic_action(kind, minutes, seed) for kind in kinds]
+    actions = [synthetic_action(kind, minutes, seed) for kind in names]
     engines = {
         AS_PAPER: FastSequentialAutoencoder,
         SAME_ORDER: SameOrder,
@@ -68,7 +68,7 @@ def run(
     for name, of_actions in errors.items():
         rows.append([name, *(mean_and_range(of_seeds) for of_seeds in of_actions.values())])
     caption = f"Mean squared error of held-out clips, standardised, {seeds} seeds:"
-    table = Table(caption, ["network", *kinds], rows)
+    table = Table(caption, ["network", *names], rows)
     claims = [
         _claim("target_reversed", errors, [SAME_ORDER]),
         _claim("guess_fed_back", errors, [NO_INPUT, TRUE_FRAMES]),
@@ -92,11 +92,11 @@ def _claim(key: str, errors: dict[str, dict[str, list[float]]], opponents: Seque
     """Whether the paper's network has a lower error in each action and with each seed."""
     below = {}
     for opponent in opponents:
-        each = []
+        is_lower = []
         for action, of_seeds in errors[opponent].items():
             pairs = zip(errors[AS_PAPER][action], of_seeds, strict=True)
-            each += [ours < theirs for ours, theirs in pairs]
-        below[opponent] = agreed(each)
+            is_lower += [ours < theirs for ours, theirs in pairs]
+        below[opponent] = agreed(is_lower)
     figures = f"{_listed(errors[AS_PAPER])};"
     listed = "; ".join(f"{opponent}: {_listed(errors[opponent])}" for opponent in opponents)
     return Claim(key, all_of(*below.values()), figures, opponent=f"{listed}.")

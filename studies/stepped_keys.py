@@ -136,7 +136,7 @@ def _claims(measured: dict[str, Measured]) -> list[Claim]:
         is_found[method] = nearest[method].at_most(FOUND)
     smooth = [method for method in FREE if is_smooth[method]]
     moving_on = [method for method in FREE if is_motion[method]]
-    found = [method for method in (HELD, *FREE, LINEAR) if is_found[method]]
+    near = [method for method in (HELD, *FREE, LINEAR) if is_found[method]]
     best = min(FREE, key=lambda method: measured[method].error.mean())
     error = ratio_of_means(network.error, held.error)
     delayed = ratio_of_means(network.delayed, held.delayed)
@@ -163,6 +163,6 @@ def _claims(measured: dict[str, Measured]) -> list[Claim]:
             f"{nearest[NETWORK]:.2f} of the distance of the true motion to the nearest pose;",
             opponent=f"held {nearest[HELD].value:.2f}, {AVERAGE} {nearest[AVERAGE].value:.2f}, "
             f"linear with bones {nearest[LINEAR].value:.2f}.",
-            fulfilled_by=" and ".join(found),
+            fulfilled_by=" and ".join(near),
         ),
     ]

@@ -87,12 +87,12 @@ class Gaussian:
         self.mean = total / self.frames
         self.second /= self.frames
 
-    def add(self, other: Gaussian) -> None:
+    def add(self, gaussian: Gaussian) -> None:
         """Change the moments to those of the frames of both together."""
-        share = other.frames / (self.frames + other.frames)
-        self.mean += share * (other.mean - self.mean)
-        self.second += share * (other.second - self.second)
-        self.frames += other.frames
+        share = gaussian.frames / (self.frames + gaussian.frames)
+        self.mean += share * (gaussian.mean - self.mean)
+        self.second += share * (gaussian.second - self.second)
+        self.frames += gaussian.frames
 
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).

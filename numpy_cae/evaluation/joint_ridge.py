@@ -55,8 +55,8 @@ class JointRidge:
         left_out = range(LEFT_OUT - 1, len(takes), LEFT_OUT)
         ridge = RIDGES[len(RIDGES) // 2]
         if left_out:
-            kept = [number for number in range(len(takes)) if number not in left_out]
-            learned = _moments([rows[n] for n in kept], [targets[n] for n in kept])
+            learned_from = [number for number in range(len(takes)) if number not in left_out]
+            learned = _moments([rows[n] for n in learned_from], [targets[n] for n in learned_from])
             v = np.concatenate([rows[n] for n in left_out])
             h = np.concatenate([targets[n] for n in left_out])
             errors = {}

@@ -159,9 +159,9 @@ def _claim_of_diversity(diversities: dict[str, list[float]], periodic: np.ndarra
     listed = {}
     for source, values in diversities.items():
         of_periodic = np.array(values)[periodic]
-        others = np.array(values)[~periodic]
-        is_lower[source] = bool(of_periodic.max() < others.min())
-        numbers = ", ".join(f"{value:.2f}" for value in others)
+        aperiodic = np.array(values)[~periodic]
+        is_lower[source] = bool(of_periodic.max() < aperiodic.min())
+        numbers = ", ".join(f"{value:.2f}" for value in aperiodic)
         listed[source] = (
             f"{of_periodic.max():.2f} for the periodic action, {numbers} for the others"
         )

@@ -191,7 +191,7 @@ def test_the_same_order_reads_the_last_frame_first():
 
 
 def test_choices_of_the_sequential_network_are_compared():
-    result = sequence_choices.run(seeds=1, steps=10, minutes=0.2, kinds=("walking",))
+    result = sequence_choices.run(seeds=1, steps=10, minutes=0.2, names=("walking",))
     (table,) = result.tables
     assert table.value(AS_PAPER, "walking") != table.value(NO_INPUT, "walking")
     assert [claim.key for claim in result.claims] == ["target_reversed", "guess_fed_back"]
