@@ -143,9 +143,23 @@ def _claims(precisions: Precisions) -> list[Claim]:
     claims = []
     for label, of_distances in precisions.items():
         gap = mean_of(of_distances[EQUATION_4] - of_distances[EUCLIDEAN])
-        figures = f"{average[label][EQUATION_4]:.2f}, {gap:+.2f} to the opponent;"
-        opponent = f"Euclidean distance {average[label][EUCLIDEAN]:.2f}."
-        claims.append(Claim("G_against_euclidean", gap.above(0), figures, label, opponent))
+        figures = f"{average[label][EQUATION_4]:.2f}, {gap:+.2f} to {EUCLIDEAN};"
+        simple = {name: average[label][name] for name in (EUCLIDEAN, RAW_EXTREMES, UNTRAINED)}
+        opponent = ", ".join(f"{name} {value:.2f}" for name, value in simple.items())
+        also = []
+        for name in (RAW_EXTREMES, UNTRAINED):
+            if mean_of(of_distances[name] - of_distances[EUCLIDEAN]).above(0):
+                also.append(name)
+        claims.append(
+            Claim(
+                "G_against_euclidean",
+                gap.above(0),
+                figures,
+                label,
+                f"{opponent}.",
+                " and ".join(also),
+            )
+        )
     keys = {RAW_EXTREMES: "G_is_learned", UNTRAINED: "G_is_learned", PRINCIPAL: "G_against_pca"}
     for opponent, key in keys.items():
         gaps = {}
@@ -359,6 +373,7 @@ def _claims_of_example(places_found: dict[str, np.ndarray], scenes: list[str]) -
     perfect = [name for name in (RAW_EXTREMES, PRINCIPAL, EUCLIDEAN) if of_all[name] == 1]
     opponents = ", ".join(f"{name} {of_all[name]:.0%}" for name in similar if name != EQUATION_4)
     gap = mean_of(similar[EQUATION_4] - similar[PRINCIPAL])
+    gap_of_features = mean_of(similar[RAW_EXTREMES] - similar[PRINCIPAL])
     euclidean = mean_of(odd[EUCLIDEAN])
     return [
         Claim(
@@ -380,7 +395,9 @@ def _claims_of_example(places_found: dict[str, np.ndarray], scenes: list[str]) -
             gap.above(0),
             f"{of_all[EQUATION_4]:.0%} of G's nearest are confident walks or have turns, "
             f"{gap:+.0%} to the opponent's;",
-            opponent=f"{PRINCIPAL} {of_all[PRINCIPAL]:.0%}.",
+            opponent=f"{PRINCIPAL} {of_all[PRINCIPAL]:.0%}, "
+            f"{RAW_EXTREMES} {of_all[RAW_EXTREMES]:.0%}.",
+            fulfilled_by=RAW_EXTREMES if gap_of_features.above(0) else "",
         ),
     ]
 
