@@ -6,11 +6,14 @@ the same place and by the same turn with each onset. Recall, precision and calib
 `studies/explaining/scoring.py`.
 
     python -m studies explanations --data cmu/asfamc bandai real
+    python -m studies explanations --data cmu/asfamc bandai real --finder likelihood
 
+The finder by likelihood (`studies/explaining/likelihood.py`) has its numbers from takes of CMU.
 docs/lab_book/explanations.md has the findings.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +23,7 @@ from numpy_cae.cleanup import repair_motion
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import find_motion_files, load_motion
 from numpy_cae.motion import Motion
+from studies.explaining.mending import explain_and_mend
 from studies.explaining.planted import (
     ONSETS,
     NoPlaceError,
@@ -69,30 +73,41 @@ class Leg:
 
 
 def run(
-    manifold: MotionManifold, folders: Sequence[Path], takes: int = 20, seed: int = 0
+    manifold: MotionManifold,
+    folders: Sequence[Path],
+    takes: int = 12,
+    finder: str = "repair",
+    seed: int = 0,
 ) -> Result:
-    """Repair clips of at most `takes` takes of each source; `seed` draws the damage."""
+    """Repair clips of at most `takes` takes of each source with one of `FINDERS`; `seed` draws the
+    damage."""
     if takes < 1:
         raise ValueError(f"--takes is {takes}, expected 1 or more")
-
-    def method(motion: Motion) -> Outcome:
-        return repair_at_present(motion, manifold)
-
+    if finder not in FINDERS:
+        raise ValueError(f"no finder {finder}: --finder is one of {', '.join(FINDERS)}")
+    method = partial(FINDERS[finder], manifold=manifold)
     scores = {}
     legs = {}
     for source, motions in sources(folders, takes).items():
         note(f"{source} is measured")
         scores[source] = score_of(method, source, motions, seed)
         legs[source] = list(turned_legs(method, motions, seed))
-    return Result("Planted damage: what is found and how certain it is", tables(scores, legs))
+    return Result(f"Planted damage, found by {finder}", tables(scores, legs))
 
 
-def repair_at_present(motion: Motion, manifold: MotionManifold) -> Outcome:
+def find_by_repair(motion: Motion, manifold: MotionManifold) -> Outcome:
     """What `repair` finds, and makes of a motion."""
     repaired = repair_motion(motion, manifold)
     findings = [*repaired.findings, *repaired.proposed]
     findings = [finding for finding in findings if finding.status != "kept"]
     return Outcome(findings, repaired.cuts, repaired.motion, float(repaired.moved.max(initial=0.0)))
+
+
+FINDERS: dict[str, Callable[..., Outcome]] = {
+    "repair": find_by_repair,
+    "likelihood": explain_and_mend,
+}
+"""The ways to find and mend damage: that of `repair`, and that of `studies/explaining`."""
 
 
 def sources(folders: Sequence[Path], takes: int) -> dict[str, list[Motion]]:
