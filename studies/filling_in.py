@@ -1,5 +1,15 @@
-"""A wrist that is missing for a whole clip, and stepped animation: holden2015, section 7, "Filling
-in Missing Data".
+"""Values removed from takes and completed by every method that is given the mask; a wrist that is
+missing for a whole clip, and stepped animation: holden2015, section 7, "Filling in Missing Data".
+
+    python -m studies filling_in --data bandai --test '*_003.bvh'
+    python -m studies filling_in --data bandai --test '*_003.bvh' --takes 3 --seeds 1
+
+Of at most `--takes` takes of each source, evenly spaced, each value is removed with probability p,
+in at most 160 frames in the middle of the take. Errors are root mean squares of the missing joint
+coordinates over all takes and seeds. `complete` weighs a Gaussian process of each column, the same
+refined by what the frames of the take say, and the network's completion refined
+(numpy_cae/manifold/weighted_completion.py has the equations). What the network adds is the
+difference to the same without the network. docs/lab_book/filling.md has the findings.
 
 For stepped keys, errors are measured up to the last key. A held key lags behind by half of their
 distance on average: "delayed" is the error against the truth so many frames before. The curves
@@ -27,7 +37,8 @@ from numpy_cae.motion import Motion, features_to_positions, joint_slice
 from numpy_cae.motion.hole_curves import ROTATION_CURVES
 from numpy_cae.motion.motion import RATE
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
-from studies.shared.material import Material, evenly, testing_of
+from studies.shared.completions import table_of_missing_columns, table_of_removed_values
+from studies.shared.material import Material, evenly, features_of, testing_of
 from studies.shared.result import Claim, Result, Table, combined, moving
 
 EVERY = 15
@@ -48,12 +59,30 @@ STEPPED_TAKES = 20
 """The most takes that are stepped, spread evenly over all."""
 
 
-def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
-    """Remove each wrist from test windows; hold every 15th frame of them; project both."""
+def run(
+    manifold: MotionManifold, material: Material, takes: int = 12, seeds: int = 2, seed: int = 0
+) -> Result:
+    """Remove values of test takes, and each wrist of them; hold every 15th frame; fill all in."""
     testing, sample = testing_of(manifold, material)
+    removed = _with_values_removed(manifold, material, takes, range(seed, seed + seeds))
     wrists = _without_wrists(manifold, testing)
     stepped = _with_stepped_takes(manifold, material)
-    return combined("Filling in: a missing marker and stepped keyframes", [wrists, stepped], sample)
+    parts = [wrists, stepped, removed]
+    return combined("Filling in: missing values, a missing marker, stepped keys", parts, sample)
+
+
+def _with_values_removed(
+    manifold: MotionManifold, material: Material, takes: int, seeds: Sequence[int]
+) -> Result:
+    """The errors of every method in takes that lack values, or a wrist, by source."""
+    if takes < 1 or not seeds:
+        raise ValueError("--takes and --seeds are 1 or more")
+    tables = []
+    for source in dict.fromkeys(take.source for take in material.testing):
+        chosen = features_of(manifold, evenly(material.of(source).testing, takes))
+        tables.append(table_of_removed_values(manifold, chosen, seeds, source))
+        tables.append(table_of_missing_columns(manifold, chosen, WRISTS, source))
+    return Result("", tables)
 
 
 def _without_wrists(manifold: MotionManifold, testing: Clips) -> Result:

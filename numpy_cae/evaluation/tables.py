@@ -246,7 +246,7 @@ class Repairs:
         """The methods that are given windows (N, T, 63) and the mask of what is known."""
         return {
             LINES: partial(interpolate_columns, curve=np.interp),
-            PCHIP: partial(interpolate_columns, curve=_pchip),
+            PCHIP: partial(interpolate_columns, curve=interpolate_pchip),
             SPLINE: interpolate_gaps,
             GAUSSIAN: self.gaussian.complete,
             DYNAMICS: self.dynamics.complete,
@@ -274,7 +274,8 @@ def interpolate_columns(
     return interpolated
 
 
-def _pchip(frames: np.ndarray, keys: np.ndarray, values: np.ndarray) -> np.ndarray:
+def interpolate_pchip(frames: np.ndarray, keys: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """PCHIP through known values at the frames `keys`, for `interpolate_columns`."""
     if len(keys) == 1:
         return values
     return pchip_interpolate(keys, values, frames)

@@ -17,6 +17,7 @@ from numpy_cae.manifold.model_arrays import (
     read_numbers,
     require_loadable,
 )
+from numpy_cae.manifold.weighted_completion import complete_weighted
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
 from numpy_cae.motion.features import FEATURES, RootTransform, problem_of_lengths
@@ -162,16 +163,14 @@ class MotionManifold:
         return self.denormalise(self._project_clip(x, average_shifts)[0])
 
     def complete(self, features: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
-        """Complete a clip of which some values are missing (`manifold.completion.complete`).
+        """Complete a clip of which some values are missing (`manifold.weighted_completion`).
 
-            X_0 = I(X),    X_{n+1} = X where it is known, P(X_n) + I(X - P(X_n)) elsewhere
-
-        in normalised features. P is the projection, and I is a cubic spline over time, each
-        feature by itself (`manifold.completion.interpolate_gaps` has its equation); before the
-        first and after the last known value this value is repeated. The iteration ends with X_4, or
-        with the first X_{n+1} for which ‖X_{n+1} - X_n‖ < ‖X_1 - X_0‖ / 10. After it comes one more
-        step, in which the projection is averaged over all shifts of the pooling grid, as `project`
-        has it. Memory is that of a projection and about ten arrays of the size of the features.
+        In normalised features, three candidates are completed: a Gaussian process over time of each
+        feature by itself (`motion.gaussian_process`); this curve, refined by what the values of
+        each frame say about one another in this clip (`motion.frame_gaussian`); and in the same way
+        refined, what the network makes of the curve by the iteration of `manifold.completion`. They
+        are weighed by their errors in about a tenth of the known values, left out, for each
+        distance to the nearest known value. Time and memory are linear in the frames.
 
         Parameters
         ----------
@@ -186,9 +185,9 @@ class MotionManifold:
         Returns
         -------
         (F, 63) array of float64
-            Known values as they are given. For a feature without a known value I is 0, the mean
-            pose: it starts there, and is then P of the last but one iterate, what the network
-            makes of the other features. Where nothing is known all of X_0 is the mean pose.
+            Known values as they are given. A feature without a known value starts as the mean pose,
+            and is what the network and the other features of the clip make of it. Where nothing is
+            known the start is the mean pose.
 
         Raises
         ------
@@ -217,25 +216,24 @@ class MotionManifold:
         known = np.asarray(known, dtype=bool)
         if known.shape != np.shape(features):
             raise ValueError(f"known has shape {known.shape}, expected {np.shape(features)}")
-        x = self.normalise(np.where(known, features, self.mean_pose))[None].astype(np.float64)
+        x = self.normalise(np.where(known, features, self.mean_pose)).astype(np.float64)
 
         def project(x: np.ndarray, averaged: bool) -> np.ndarray:
             x = x.astype(self.network.layers[0].w.dtype)
             return self._project_clip(self._rescale(x), averaged).astype(np.float64)
 
-        completed = completion.complete(x, known[None], project)[0]
+        completed = complete_weighted(x, known, project)
         return np.where(known, features, self.denormalise(completed))
 
     def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """As `complete`, of normalised windows (N, F, 63) as in training, with zeros around them.
+        """As `complete`, of normalised windows (N, F, 63); as in training, with zeros around."""
 
-        To bound memory, `WINDOWS_AT_ONCE` windows are completed together; the iteration ends for
-        all of these at the same time.
-        """
+        def project(window: np.ndarray, averaged: bool) -> np.ndarray:
+            return self.project_windows(window.astype(x.dtype), averaged).astype(np.float64)
+
         completed = np.empty_like(x)
-        for start in range(0, len(x), completion.WINDOWS_AT_ONCE):
-            part = slice(start, start + completion.WINDOWS_AT_ONCE)
-            completed[part] = completion.complete(x[part], known[part], self.project_windows)
+        for window, is_known, into in zip(x, known, completed, strict=True):
+            into[...] = complete_weighted(window, is_known, project)
         return completed
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:

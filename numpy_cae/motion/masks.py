@@ -34,6 +34,23 @@ def runs_with(mask: np.ndarray, some: np.ndarray) -> np.ndarray:
     return has_some[numbers]
 
 
+def distances_to_known(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """From each value (T, C) the frames back to the last known value of its column, and those on to
+    the next one: 0 where it is known, far more than T where there is none.
+
+    Examples
+    --------
+    >>> before, after = distances_to_known(np.array([[True], [False], [False], [True]]))
+    >>> before.ravel().tolist(), after.ravel().tolist()
+    ([0, 1, 2, 0], [0, 2, 1, 0])
+    """
+    frame = np.arange(len(known))[:, None]
+    far = 1000 * len(known)
+    before = frame - np.maximum.accumulate(np.where(known, frame, -far), axis=0)
+    after = np.minimum.accumulate(np.where(known, frame, far)[::-1], axis=0)[::-1] - frame
+    return before, after
+
+
 def widen_runs(mask: np.ndarray, frames: int) -> np.ndarray:
     """A mask (F, N) with each run extended by this number of frames on both sides."""
     padded = np.pad(mask, ((frames + 1, frames), (0, 0)))

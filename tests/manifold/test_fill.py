@@ -11,6 +11,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from data_synth import make_take
 from numpy_cae.cleanup import fill_motion
 from numpy_cae.manifold import fill, keyframe_mask
+from numpy_cae.manifold.completion import complete
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import JOINTS, POSITIONS
 
@@ -42,7 +43,7 @@ def test_known_values_are_unchanged_and_missing_ones_are_ignored(
 
 
 def plainly_completed(manifold, features, known):
-    """What the docstring of `MotionManifold.complete` says, column by column."""
+    """What the docstring of `numpy_cae.manifold.completion` says, column by column."""
 
     def curve(values):
         filled, frame = np.zeros_like(values), np.arange(len(values))
@@ -79,13 +80,30 @@ def test_completion_is_its_equation(walk_manifold, walk_features, share):
     known[:, [0, 2]] = True  # always zero
     expected, projections = plainly_completed(walk_manifold, walk_features, known)
     assert projections < 5 or share > 0.5
-    completed = walk_manifold.complete(np.where(known, walk_features, np.nan), known)
+    mean, scale = walk_manifold.mean_pose, walk_manifold.scale
+
+    def project(x, averaged):
+        return (walk_manifold.project(x[0] / scale + mean, averaged) - mean)[None] * scale
+
+    x = np.where(known, (walk_features - mean) * scale, 0.0)
+    completed = complete(x[None], known[None], project)[0] / scale + mean
     np.testing.assert_allclose(completed, expected, atol=1e-6)
+
+
+def test_completion_ignores_unknown_values_and_returns_known_ones(walk_manifold, walk_features):
+    known = np.random.default_rng(0).random(walk_features.shape) >= 0.5
+    known[:, 5] = False
+    known[:, [0, 2]] = True  # always zero
+    completed = walk_manifold.complete(np.where(known, walk_features, np.nan), known)
     np.testing.assert_array_equal(completed[known], walk_features[known])
     lost = np.where(known, walk_features, walk_manifold.mean_pose)
     np.testing.assert_array_equal(walk_manifold.complete(lost), completed)
+
+
+def test_a_mask_of_another_shape_is_refused(walk_manifold, walk_features):
+    known = np.ones((3, 63), bool)
     with pytest.raises(ValueError, match=r"known has shape \(3, 63\), expected \(72, 63\)"):
-        walk_manifold.complete(walk_features, known[:3])
+        walk_manifold.complete(walk_features, known)
 
 
 def test_invalid_arguments_are_refused(walk_manifold):

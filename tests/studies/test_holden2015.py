@@ -27,7 +27,7 @@ def test_the_sweep_of_removed_values(result_of):
 
 
 def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
-    wrists, stepped = result_of("filling_in").tables
+    wrists, stepped, *_ = result_of("filling_in").tables
     clips = clips_of(small_manifold, [take.positions for take in labelled.testing])
     lost = clips.x.copy()
     lost[..., 21:24] = 0

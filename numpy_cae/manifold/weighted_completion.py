@@ -1,0 +1,198 @@
+"""Completing a motion by several methods, weighed by what each does in known values left out.
+
+Three candidates complete the motion:
+
+1. the curve of each column by itself, a Gaussian process over time (`motion.gaussian_process`);
+2. this curve, refined: the iteration of `manifold.completion`, in which P predicts each value from
+   the others of its frame, by the Gaussian of the frames of this motion; then the frames of the
+   result given how certain each interpolated value is (`motion.frame_gaussian`);
+3. the completion by the network, which starts from the curve, refined in the same way.
+
+Where there is no network, the last one is candidate 2.
+
+About a tenth of the known values is left out and completed in the same way. With e_ik the errors of
+candidate k at the values left out, and `CLASSES` of the distance in frames to the nearest known
+value, each class has the weights of least squares
+
+    w = argmin Σ_i (Σ_k w_k e_ik)²,    w_k ≥ 0,    Σ_k w_k = 1
+
+and a completed value is Σ_k w_k x_k. Values of other classes count as `OTHER_CLASSES` values more,
+scaled to the mean square of the class. The curve by itself is a candidate where the nearest known
+value is near, at most `NEAR` frames away. A column without a known value is that of candidate 3.
+
+Values are left out as they are missing: single values, or holes of columns that are unknown in
+the same frames, such as those of a joint (`leave_out`).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from numpy_cae.manifold.completion import complete, interpolate_gaps
+from numpy_cae.motion.frame_gaussian import condition_frames, predict_from_others
+from numpy_cae.motion.gaussian_process import fit_curves, gap_variances
+from numpy_cae.motion.masks import distances_to_known, runs
+
+CURVE_PREDICTIONS = 8
+"""At most so many times the values of the frames of candidate 2 predict one another."""
+NETWORK_PREDICTIONS = 4
+"""The same of candidate 3, which the network has made a motion before."""
+CLASSES = (1, 2, 4, 8)
+"""Upper ends of classes of distances (frames) to the nearest known value; the last one has none."""
+NEAR = 4
+"""The curve by itself is a candidate up to this distance, chosen on files of people among 0, 1, 2,
+4 and any (docs/lab_book/filling.md)."""
+OTHER_CLASSES = 150
+"""Chosen on files of people among 20, 50 and 150."""
+LEFT_OUT = 0.1
+"""The share of the known values that is left out."""
+LEAST_LEFT_OUT = 20
+"""With fewer values left out there are no weights: all of candidate 3 is taken."""
+Project = Callable[[np.ndarray, bool], np.ndarray]
+"""The projection by the network of windows (1, T, C), averaged over all shifts or not."""
+
+
+def complete_weighted(
+    x: np.ndarray, known: np.ndarray, project: Project | None, seed: int = 0
+) -> np.ndarray:
+    """Complete a motion by the weighed mean of the module's candidates.
+
+    Parameters
+    ----------
+    x : (T, C) array of float
+        Normalised, so that zero is the mean pose. Values where they are unknown are ignored, but
+        have to be finite.
+    known : (T, C) array of bool
+    project : Project, optional
+        Where None, there is no candidate 3: the motion is completed by what it knows of itself.
+    seed : int
+        Draws the values that are left out.
+
+    Returns
+    -------
+    (T, C) array of the dtype of x
+        Known values as they are given.
+    """
+    if known.all():
+        return x.copy()
+    values = np.where(known, x, 0.0).astype(np.float64)
+    candidates = candidates_of(values, known, project)
+    left_out = leave_out(known, np.random.default_rng(seed))
+    blended = candidates[-1]
+    if np.count_nonzero(left_out) >= LEAST_LEFT_OUT:
+        remaining = known & ~left_out
+        trial = candidates_of(np.where(remaining, values, 0.0), remaining, project)
+        errors = (trial - values)[:, left_out]
+        weights = weigh(errors, distances_to_nearest(remaining)[left_out])
+        of_value = weights[:, classify(distances_to_nearest(known))]
+        has_values = known.any(axis=0)
+        mean = np.sum(of_value * candidates, axis=0)
+        blended = np.where(has_values, mean, candidates[-1])
+    return np.where(known, x, blended).astype(x.dtype)
+
+
+def candidates_of(x: np.ndarray, known: np.ndarray, project: Project | None) -> np.ndarray:
+    """The candidates of the module's text, (3, T, C), or without a network the first two."""
+    curves = fit_curves(x, known)
+    variances = gap_variances(known, curves.lengths)
+    start = curves.values
+    candidates = [start, refine(x, known, start, variances, CURVE_PREDICTIONS)]
+    if project is not None:
+        by_network = complete(x[None], known[None], project, start=start[None])[0]
+        candidates.append(refine(x, known, by_network, variances, NETWORK_PREDICTIONS))
+    return np.stack(candidates)
+
+
+def refine(
+    x: np.ndarray, known: np.ndarray, start: np.ndarray, variances: np.ndarray, predictions: int
+) -> np.ndarray:
+    """A completed motion (T, C), refined by what the values of its frames say about one another."""
+
+    def predict(x_n: np.ndarray, _averaged: bool) -> np.ndarray:
+        return predict_from_others(x_n[0])[None]
+
+    predicted = complete(x[None], known[None], predict, interpolate_gaps, start[None], predictions)
+    return condition_frames(predicted[0], known, variances)
+
+
+def leave_out(known: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """A mask (T, C) of known values to leave out, about `LEFT_OUT` of those in incomplete columns.
+
+    Of a column with a mask of its own they are single values. Of columns that are unknown in the
+    same frames, such as those of a joint, they are trial holes (`leave_out_runs`).
+    """
+    left_out = np.zeros_like(known)
+    incomplete = np.flatnonzero(known.any(axis=0) & ~known.all(axis=0))
+    patterns, group_of = np.unique(known[:, incomplete], axis=1, return_inverse=True)
+    for group, is_known in enumerate(patterns.T):
+        columns = incomplete[group_of.ravel() == group]
+        if len(columns) == 1:
+            frames = is_known & (rng.random(len(known)) < LEFT_OUT)
+        else:
+            frames = leave_out_runs(is_known, rng)
+        left_out[:, columns] = frames[:, None]
+    return left_out
+
+
+def leave_out_runs(is_known: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """A mask (T,) of known frames: the runs of unknown frames, moved to random places.
+
+    They are moved one by one, in random order, until `LEFT_OUT` of the known frames are left out. A
+    run that would leave out more than half of them is not moved.
+    """
+    left_out = np.zeros_like(is_known)
+    count = np.count_nonzero(is_known)
+    for first, end in rng.permutation(runs(~is_known)):
+        start = rng.integers(len(is_known) - (end - first) + 1)
+        more = left_out.copy()
+        more[start : start + end - first] = is_known[start : start + end - first]
+        if np.count_nonzero(more) <= count / 2:
+            left_out = more
+        if np.count_nonzero(left_out) >= LEFT_OUT * count:
+            break
+    return left_out
+
+
+def distances_to_nearest(known: np.ndarray) -> np.ndarray:
+    """From each value (T, C) the frames to the nearest known value of its column."""
+    before, after = distances_to_known(known)
+    return np.minimum(before, after)
+
+
+def classify(distances: np.ndarray) -> np.ndarray:
+    """The class of each distance, 0 for 1 frame to len(`CLASSES`) for more than the last one."""
+    return np.searchsorted(CLASSES, distances)
+
+
+def weigh(errors: np.ndarray, distances: np.ndarray) -> np.ndarray:
+    """The weights (K, classes) of candidates by their errors (K, N) in values left out, at these
+    distances (N,) from the nearest known value; candidate 0 is the curve by itself."""
+    candidates = len(errors)
+    all_products = errors @ errors.T / errors.shape[1]
+    all_products += 1e-12 * (np.trace(all_products) or 1.0) * np.eye(candidates)
+    weights = np.zeros((candidates, len(CLASSES) + 1))
+    classes = classify(distances)
+    for number in range(len(CLASSES) + 1):
+        of_class = errors[:, classes == number]
+        products = of_class @ of_class.T
+        scale = 1.0
+        if np.any(products):
+            scale = np.trace(products) / of_class.shape[1] / np.trace(all_products)
+        products = products + OTHER_CLASSES * scale * all_products
+        first = 0 if number <= classify(np.array(NEAR)) else 1
+        weights[first:, number] = minimise_on_simplex(products[first:, first:])
+    return weights
+
+
+def minimise_on_simplex(products: np.ndarray) -> np.ndarray:
+    """w = argmin wᵀ G w with w ≥ 0 and Σ w = 1, of a positive definite G.
+
+    With G = L Lᵀ it is a multiple of the w ≥ 0 for which (Lᵀ w, Σ w) is nearest to (0, 1).
+    """
+    from scipy.optimize import nnls  # slow to import
+
+    factor = np.linalg.cholesky(products / np.trace(products)).T
+    rows = np.vstack([factor, np.ones(len(products))])
+    target = np.append(np.zeros(len(products)), 1.0)
+    weights, _ = nnls(rows, target)
+    return weights / weights.sum()

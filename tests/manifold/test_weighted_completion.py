@@ -1,0 +1,150 @@
+"""Completion by several methods: what is left out, how they are weighed, and what is returned."""
+
+import numpy as np
+import pytest
+
+from numpy_cae.manifold import weighted_completion
+from numpy_cae.manifold.weighted_completion import (
+    CLASSES,
+    LEFT_OUT,
+    NEAR,
+    OTHER_CLASSES,
+    candidates_of,
+    classify,
+    complete_weighted,
+    leave_out,
+    minimise_on_simplex,
+    weigh,
+)
+
+
+def project_nothing(x, _averaged):
+    """A projection that is the mean pose."""
+    return np.zeros_like(x)
+
+
+def draw_motion(frames=90):
+    """Eight columns that are mixtures of three sines, (frames, 8)."""
+    sines = np.sin(np.arange(frames)[:, None] / [5.0, 8.0, 13.0] + [0.0, 1.0, 2.0])
+    return sines @ np.random.default_rng(7).normal(size=(3, 8))
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_known_values_and_the_dtype_are_those_given(dtype):
+    x = draw_motion().astype(dtype)
+    known = np.random.default_rng(0).random(x.shape) < 0.4
+    completed = complete_weighted(x, known, project_nothing)
+    assert completed.dtype == dtype
+    np.testing.assert_array_equal(completed[known], x[known])
+
+
+def test_a_known_motion_is_returned_as_a_copy():
+    x = draw_motion()
+    completed = complete_weighted(x, np.ones(x.shape, bool), project_nothing)
+    np.testing.assert_array_equal(completed, x)
+    assert not np.shares_memory(completed, x)
+
+
+@pytest.mark.parametrize("frames", [1, 2, 90])
+@pytest.mark.parametrize("known_values", [0, 1])
+def test_few_known_values_give_finite_numbers(frames, known_values):
+    x = draw_motion(frames)
+    known = np.zeros(x.shape, bool)
+    known[: min(known_values, frames), 3] = True
+    completed = complete_weighted(x, known, project_nothing)
+    assert np.isfinite(completed).all()
+    np.testing.assert_array_equal(completed[known], x[known])
+
+
+def test_a_column_without_a_known_value_is_not_the_mean_pose_where_the_network_knows_better():
+    x = draw_motion()
+    known = np.random.default_rng(0).random(x.shape) < 0.7
+    known[:, 5] = False
+    completed = complete_weighted(x, known, lambda values, _: np.broadcast_to(x, values.shape))
+    assert np.abs(completed - x)[:, 5].max() < 0.2 * np.abs(x[:, 5]).max()
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5])
+def test_a_network_that_knows_nothing_costs_little(share):
+    """Beside the best candidate, which is then the second."""
+    x = draw_motion(600)
+    known = np.random.default_rng(0).random(x.shape) < share
+    candidates = candidates_of(np.where(known, x, 0.0), known, project_nothing)
+    errors = np.sqrt(np.mean((candidates - x)[:, ~known] ** 2, axis=1))
+    completed = complete_weighted(x, known, project_nothing)
+    assert np.sqrt(np.mean((completed - x)[~known] ** 2)) < 1.2 * errors[1]
+    assert errors[1] < 0.5 * errors[0]
+
+
+def test_about_a_tenth_of_single_values_is_left_out():
+    known = np.random.default_rng(0).random((300, 20)) < 0.5
+    known[:, :2] = True
+    known[:, 2] = False
+    left_out = leave_out(known, np.random.default_rng(1))
+    assert not left_out[~known].any()
+    assert not left_out[:, :3].any()
+    share = left_out.sum() / known[:, 3:].sum()
+    assert share == pytest.approx(LEFT_OUT, abs=0.02)
+
+
+def test_holes_of_a_joint_are_left_out_in_all_of_its_columns():
+    known = np.ones((200, 6), bool)
+    for start in (20, 80, 140):
+        known[start : start + 15, 3:] = False
+    left_out = leave_out(known, np.random.default_rng(0))
+    assert not left_out[:, :3].any()
+    assert left_out[:, 3].any()
+    for column in (4, 5):
+        np.testing.assert_array_equal(left_out[:, column], left_out[:, 3])
+
+
+def test_at_least_half_of_the_known_values_of_a_column_remain():
+    known = np.zeros((100, 4), bool)
+    known[:20, :2] = True
+    known[::2, 2:] = True
+    for seed in range(20):
+        left_out = leave_out(known, np.random.default_rng(seed))
+        assert np.all(left_out.sum(axis=0) <= known.sum(axis=0) / 2)
+
+
+def test_weights_are_those_of_least_squares_by_trying_all():
+    rng = np.random.default_rng(0)
+    errors = rng.normal(size=(3, 50)) * [[1.0], [0.7], [2.0]]
+    products = errors @ errors.T
+    best = minimise_on_simplex(products)
+    steps = np.linspace(0, 1, 101)
+    first, second = np.meshgrid(steps, steps)
+    inside = first + second <= 1 + 1e-9
+    tried = np.stack([first[inside], second[inside], 1 - first[inside] - second[inside]])
+    costs = np.einsum("in,ij,jn->n", tried, products, tried)
+    assert best @ products @ best <= costs.min() + 1e-9
+    np.testing.assert_allclose(best.sum(), 1)
+    assert np.all(best >= 0)
+
+
+def test_the_curve_counts_only_near_known_values():
+    errors = np.array([[0.1], [1.0], [2.0]]) * np.random.default_rng(0).normal(size=(3, 500))
+    weights = weigh(errors, np.full(500, NEAR))
+    near = classify(np.array(NEAR))
+    assert np.all(weights[0, : near + 1] > 0.9)
+    assert not weights[0, near + 1 :].any()
+    np.testing.assert_allclose(weights.sum(axis=0), 1)
+
+
+def test_classes_of_distances():
+    assert classify(np.array([1, 2, 3, 4, 5, 8, 9, 10**6])).tolist() == [0, 1, 2, 2, 3, 3, 4, 4]
+    assert len(CLASSES) == 4
+
+
+def test_values_of_other_classes_count_less_where_a_class_has_many(monkeypatch):
+    """Candidate 1 is right near known values, candidate 2 far from them."""
+    rng = np.random.default_rng(0)
+    errors = rng.normal(size=(3, 4000))
+    distances = np.repeat([1, 20], 2000)
+    errors[1, :2000] *= 0.01
+    errors[2, 2000:] *= 0.01
+    weights = weigh(errors, distances)
+    assert weights[1, 0] > 0.9
+    assert weights[2, 4] > 0.9
+    monkeypatch.setattr(weighted_completion, "OTHER_CLASSES", 1000 * OTHER_CLASSES)
+    assert weigh(errors, distances)[1, 0] < 0.7
