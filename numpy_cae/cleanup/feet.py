@@ -29,7 +29,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.cleanup.finding import Finding, confidence, is_path
 from numpy_cae.cleanup.kinds import BODY, FOOT, TOES
@@ -99,15 +98,13 @@ suits and optical systems half of the stances are slower than 2.2 cm/s, of Banda
 files from video half are faster than 21 cm/s."""
 STAYING_METRES = 0.04
 """A foot that is left as it is moves by at most this (m) while it stands."""
-PLACE_SECONDS = 0.5
-"""The place of a foot before and after a frame is the median over this time (s)."""
 STEP_METRES = 0.05
 """A foot changes its place where the places before and after are further apart than this (m)."""
+STEP_METRES_A_SECOND = 0.15
+"""While a foot changes its place it is faster than this (m/s)."""
 STEP_RATIO = 3.0
-"""A foot changes its place where the places before and after are further apart than this times the
-median while it stands: a foot that slides all the time does not."""
-MOVING_SHARE = 0.5
-"""While a foot changes its place it is faster than this share of the largest speed there."""
+"""While a foot changes its place it is faster than this times the median while it stands: a foot
+that slides or shakes all the time does not."""
 
 
 class Stance(NamedTuple):
@@ -177,8 +174,7 @@ def mend_feet(view: View, findings: list[Finding]) -> Motion:
         if finding.joint in TOES:
             foot = TOES.index(finding.joint)
             stances.append(Stance(foot, finding.stretch.start, finding.stretch.stop))
-    held = stances
-    staying = _split_overlapping(_stances(best, is_on_path), held)[1]
+    staying = _split_overlapping(_stances(best, is_on_path), stances)[1]
     slides = max(best.sliding, STANDING_CENTIMETRES)
     jumps = _jumping_frames(best)
     is_jumpy = np.zeros(len(view), bool)
@@ -193,7 +189,7 @@ def mend_feet(view: View, findings: list[Finding]) -> Motion:
             best = better
             slides = best.sliding
             jumps = jumps_after
-            stances, staying = _split_overlapping(_stances(best, is_on_path), held)
+            staying, stances = _split_overlapping(_stances(best, is_on_path), staying)
         else:
             break
     if is_on_path and (slides > view.sliding or _sharp_frames(best) > _sharp_frames(view)):
@@ -286,21 +282,18 @@ def _stances(view: View, is_on_path: bool) -> list[Stance]:
 
 def _between_steps(toe: np.ndarray, view: View) -> list[tuple[int, int]]:
     """The times in which a slow toe (frames, 3) is at one place, their first frames and ends."""
-    half = view.frames(PLACE_SECONDS)
-    if len(toe) <= 2 * half or half < 2:
-        return [(0, len(toe))]
     floor = toe[:, [0, 2]]
-    places = np.median(sliding_window_view(floor, half, axis=0), axis=-1)
-    apart = np.zeros(len(toe))  # the places of the frames before a frame, and of those from it on
-    apart[half : half + len(places) - half] = np.linalg.norm(places[half:] - places[:-half], axis=1)
-    speed = np.linalg.norm(np.gradient(floor, axis=0), axis=1)
-    least = max(STEP_METRES, STEP_RATIO * float(np.median(apart[half:-half])))
-    moves = np.zeros(len(toe), bool)
-    for first, end in runs(apart > least).tolist():
-        peak = first + int(np.argmax(speed[first:end]))
-        near = slice(max(peak - half, 0), peak + half)
-        moves[near] |= speed[near] > MOVING_SHARE * speed[peak]
-    return [(first, end) for first, end in runs(~moves).tolist()]
+    steps = np.linalg.norm(np.diff(floor, axis=0, append=floor[-1:]), axis=1) * view.rate
+    moves = steps > max(STEP_METRES_A_SECOND, STEP_RATIO * float(np.median(steps)))
+    rests = runs(~moves)
+    stands = np.ones(len(toe), bool)
+    for first, end in runs(moves).tolist():
+        # The rest before, or the first one.
+        start, stop = rests[max(np.searchsorted(rests[:, 0], first) - 1, 0)]
+        place = np.median(floor[start:stop], axis=0)
+        if np.linalg.norm(floor[first : end + 1] - place, axis=1).max() > STEP_METRES:
+            stands[first:end] = False
+    return [(first, end) for first, end in runs(stands).tolist()]
 
 
 def _stays(view: View, stance: Stance, level: float) -> bool:
@@ -319,18 +312,18 @@ def _stays(view: View, stance: Stance, level: float) -> bool:
 
 
 def _split_overlapping(
-    stances: list[Stance], held: list[Stance]
+    stances: list[Stance], earlier: list[Stance]
 ) -> tuple[list[Stance], list[Stance]]:
-    """The stances in which a foot stands that was held there, and the others."""
+    """The stances of a foot that overlap with an earlier one of it, and the others."""
     overlapping = []
     others = []
     for stance in stances:
-        is_held = False
-        for before in held:
+        is_overlapping = False
+        for before in earlier:
             is_same_foot = stance.foot == before.foot
             if is_same_foot and stance.first < before.end and before.first < stance.end:
-                is_held = True
-        if is_held:
+                is_overlapping = True
+        if is_overlapping:
             overlapping.append(stance)
         else:
             others.append(stance)

@@ -7,7 +7,7 @@ joint at its limit returns to the same value, or is a straight knee or elbow.
 
 A pose that is held is no damage: animations by keys hold poses, one after the other, and a clip
 ends with one. Frames are dropped only if the motion before them and after them is as fast as what
-it made up by the jump (`cuts.is_drop`), and a rotation is frozen only if the other joints move.
+it made up by the jump (`cuts.is_drop`), and a rotation is frozen only if the body turns meanwhile.
 
 A freeze may also begin and end over some frames, its onset. Then the rotation's speed changes where
 the onset begins, and changes back where it ends: between these two frames it is wrong, too.
@@ -53,8 +53,8 @@ ELSEWHERE_SHARE = 0.5
 """Where a rotation is frozen without a jump, arms stand still elsewhere for at most this share of
 its frames: in an animation by keys, arms are held again and again."""
 MOST_STILL_SHARE = 0.25
-"""While a rotation is frozen, at most this share of the rotations of the twenty joints stands
-still, in the median; without a jump, of all channels."""
+"""While a rotation is frozen without a jump, at most this share of all channels stands still, in
+the median."""
 KINK_SHARE = 0.4
 """At both ends of an onset the speed changes, in opposite ways, by changes of which the outer one
 is at least this share of the inner one."""
@@ -102,11 +102,11 @@ class StillRun(NamedTuple):
 
 
 class StillShares(NamedTuple):
-    """For each step of a motion (frames - 1,) the share of the channels that stand still, that of
-    the rotations of the twenty joints, and how many channels of arms do."""
+    """For each step of a motion (frames - 1,) the share of the channels that stand still, how many
+    of the rotations of the whole body do, and how many of those of arms."""
 
     of_channels: np.ndarray
-    of_joints: np.ndarray
+    of_body: np.ndarray
     of_arms: np.ndarray
 
 
@@ -129,8 +129,8 @@ def find_freezes(view: View, sensitivity: float = 0.5) -> list[Finding]:
         is_still = steps <= STILL_METRES
         mean_steps += steps / len(channels)
         still.of_channels[:] += is_still / len(channels)
-        if channel in joints:
-            still.of_joints[:] += is_still / len(joints)
+        if channel.is_rotation and channel.is_root:
+            still.of_body[:] += is_still
         if channel in joints and channel.name in ARMS:
             still.of_arms[:] += is_still
     rotations = [channel for channel in channels if channel.is_rotation]
@@ -207,8 +207,8 @@ def _find_frozen(
         end = run.end
         if _is_straight(view, channel, start, end):
             continue
-        others_move = np.median(still.of_joints[start:end]) <= MOST_STILL_SHARE
-        score = run.score_out if is_used and others_move else 0.0
+        body_turns = np.median(still.of_body[start:end]) == 0
+        score = run.score_out if is_used and body_turns else 0.0
         size = steps[end]
         # A jump into the run, or its start at that of the file, shows that its first frame is
         # wrong too.
