@@ -20,6 +20,7 @@ from numpy_cae.cleanup.words import (
 )
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, PARENTS, Motion
+from numpy_cae.motion.masks import fade_in_and_out, runs
 from numpy_cae.motion.motion import blocks
 from numpy_cae.motion.quaternions import rotate, slerp
 
@@ -162,7 +163,7 @@ def _distance(before: Motion, after: Motion, origin: int | None) -> np.ndarray:
     return distance
 
 
-def weaken(repaired: Repaired, strength: float) -> Repaired:
+def weaken(repaired: Repaired, strength: float = 1.0, fade: float = 0.0) -> Repaired:
     """A repair of which a part is done: each rotation and place goes a share of its way.
 
     Parameters
@@ -172,6 +173,9 @@ def weaken(repaired: Repaired, strength: float) -> Repaired:
     strength : float
         0 to 1: 1 is the repair, 0 the original motion. Values that were not finite are those of the
         repair in any case.
+    fade : float
+        Each stretch of frames that were changed begins and ends with less of it, within this time
+        (s), if the motion goes on there.
 
     Returns
     -------
@@ -196,27 +200,43 @@ def weaken(repaired: Repaired, strength: float) -> Repaired:
     """
     if not 0 <= strength <= 1:
         raise ValueError(f"strength is {strength}, expected 0 to 1")
-    if strength == 1 or repaired.original is None:
+    if not 0 <= fade < np.inf:
+        raise ValueError(f"fade is {fade}, expected a time in seconds of 0 or more")
+    if (strength == 1 and fade == 0) or repaired.original is None:
         return repaired
     after = repaired.motion
     before = repaired.original.at(slice(len(repaired.original) - len(after), None))
     is_there = np.isfinite(before.rotations).all(axis=-1)
     is_there &= np.isfinite(before.translations).all(axis=-1)
     changes = np.any(before.rotations != after.rotations, axis=-1)
+    shares = strength * _fading_shares(repaired.touched.any(axis=1), fade * after.rate)
     rotations = after.rotations.copy()
     turned = is_there & changes
-    share = np.full(np.count_nonzero(turned), strength)
+    share = np.broadcast_to(shares[:, None], turned.shape)[turned]
     rotations[turned] = slerp(before.rotations[turned], after.rotations[turned], share)
     way = np.where(is_there[..., None], after.translations - before.translations, 0.0)
-    translations = after.translations - (1 - strength) * way
+    translations = after.translations - (1 - shares[:, None, None]) * way
     motion = replace(after, rotations=rotations, translations=translations)
-    moved = strength * repaired.moved
-    findings = tuple(replace(found, cm=strength * found.cm) for found in repaired.findings)
+    moved = shares[:, None] * repaired.moved
+    findings = []
+    for found in repaired.findings:
+        cut = len(repaired.original) - len(after)
+        part = shares[max(found.stretch.start - cut, 0) : max(found.stretch.stop - cut, 0)]
+        findings.append(replace(found, cm=float(part.max(initial=0.0)) * found.cm))
     touched = repaired.touched
     if strength == 0:
-        findings = ()
+        findings = []
         touched = mark_missing_joints(after, [x for x in repaired.findings if x.row is NOT_FINITE])
-    return replace(repaired, motion=motion, moved=moved, touched=touched, findings=findings)
+    return replace(repaired, motion=motion, moved=moved, touched=touched, findings=tuple(findings))
+
+
+def _fading_shares(is_changed: np.ndarray, fade: float) -> np.ndarray:
+    """The share (frames,) of a repair that is done if each stretch of changed frames begins and
+    ends within `fade` frames."""
+    shares = np.zeros(len(is_changed))
+    for first, end in runs(is_changed).tolist():
+        shares += fade_in_and_out(len(is_changed), slice(first, end), fade)
+    return np.where(is_changed, shares, 1.0)
 
 
 def compare_motions(

@@ -37,7 +37,7 @@ def _first_sentence(name: str) -> str:
 
 GROUPS = {
     "to begin with": "demo",
-    "motion files": "repair fill show rig",
+    "motion files": "repair fill edit show rig",
     "networks": "train download interpolate compare sample",
     "lessons and checks": "lessons verify",
 }

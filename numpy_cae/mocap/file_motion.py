@@ -3,7 +3,7 @@
 import filecmp
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from numpy_cae.atomic_write import atomic_write
@@ -37,7 +37,7 @@ class FileMotion(RiggedMotion):
         """Write the motion to a file.
 
         In the format of its own file (.bvh, .amc) the text of everything that did not change is
-        kept, byte for byte, also where frames at the start were cut off, and a missing .asf
+        kept, byte for byte, also where frames were cut off, and a missing .asf
         skeleton is copied beside an .amc file. A motion of another format, at another rate, or with
         more frames is written as BVH.
 
@@ -67,6 +67,19 @@ class FileMotion(RiggedMotion):
         if suffix == ".amc":
             _copy_skeleton(find_skeleton(self.source), path)
         rewrite_numbers(self.source, before, self, path)
+
+    def save_with_continuous_angles(self, path: str | Path) -> None:
+        """Write the motion to a file as `save` does, with angles that continue those of the frame
+        before: an angle never jumps by a whole turn, nor do three of them to others of the same
+        rotation. The motion is the same.
+
+        Parameters
+        ----------
+        path : path
+            The file to write: .bvh, or .amc if the source is one.
+        """
+        # q and -q are one rotation: so every angle is written again.
+        self.save(path, replace(self, rotations=-self.rotations))
 
 
 def save(motion: Motion, path: str | Path) -> None:

@@ -67,3 +67,20 @@ def at_thirty(motion: Motion, mask: np.ndarray) -> np.ndarray:
     before = np.floor(source).astype(int)
     after = np.minimum(np.ceil(source).astype(int), len(motion) - 1)
     return mask[before] | mask[after]
+
+
+def fade_in_and_out(frames: int, stretch: slice, fade: float) -> np.ndarray:
+    """A weight (frames,) that is 1 within a stretch, rises and falls over `fade` frames at its
+    ends, and is 0 elsewhere; it does not fade where the motion begins or ends.
+
+    Examples
+    --------
+    >>> fade_in_and_out(9, slice(2, 9), 2.0)
+    array([0.  , 0.  , 0.16, 0.5 , 0.84, 1.  , 1.  , 1.  , 1.  ])
+    """
+    frame = np.arange(frames)
+    inside = (frame >= stretch.start) & (frame < stretch.stop)
+    before = np.full(frames, np.inf) if stretch.start == 0 else frame - stretch.start + 1.0
+    after = np.full(frames, np.inf) if stretch.stop == frames else stretch.stop - frame + 0.0
+    u = np.clip(np.minimum(before, after) / (fade + 1.0), 0.0, 1.0)
+    return np.where(inside, u * u * (3 - 2 * u), 0.0)

@@ -50,3 +50,20 @@ def test_a_part_of_a_repair_that_cuts_a_t_pose_off_is_of_the_rest():
 def test_a_strength_is_from_0_to_1(repaired, strength):
     with pytest.raises(ValueError, match="strength is"):
         weaken(repaired, strength)
+
+
+def test_a_repair_that_fades_is_whole_within_and_less_at_its_ends():
+    motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    motion.translations[20:41, 0] += [0.4, 0.0, 0.0]
+    repaired = repair_motion(motion)
+    fading = weaken(repaired, fade=0.2)
+    share = fading.moved[20:41].max(axis=1) / repaired.moved[20:41].max(axis=1)
+    np.testing.assert_allclose(share[6:-6], 1.0)
+    assert (np.diff(share[:7]) > 0).all() and (np.diff(share[-7:]) < 0).all()
+    moved = np.linalg.norm(fading.motion.positions() - motion.positions(), axis=-1)
+    np.testing.assert_allclose(moved[20:41].max(axis=1), fading.moved[20:41].max(axis=1))
+
+
+def test_a_fade_is_a_time(repaired):
+    with pytest.raises(ValueError, match="fade is"):
+        weaken(repaired, fade=-1.0)

@@ -44,6 +44,8 @@ WRITES = {
     ("compare", "--picture", "it.png"): (COMPARE, REFUSED),
     ("sample", "--output", "it.bvh"): (SAMPLE, REFUSED),
     ("sample", "--output", "it.html"): (SAMPLE, REFUSED),
+    ("edit", "--output", "it.bvh"): ("edit walk.bvh -o out/it.bvh --mirror", REFUSED),
+    ("edit", "--output", "walk_1.bvh"): ("edit walk.bvh -o out --split", REFUSED),
     ("rig", "--output", "it.json"): ("rig walk.bvh -o out/it.json", REFUSED),
     ("show", "--output", "walk.png"): ("show walk.bvh -o out", REFUSED),
     ("show", "--output", "it.html"): ("show walk.bvh -o out/it.html", REFUSED),
@@ -61,15 +63,25 @@ IN_OTHER_TESTS = {("download", "--output")}
 """Writes, and needs a server: tests/download has its test."""
 READS = {
     *{(name, "--model") for name in "repair fill interpolate compare sample".split()},
-    *{(name, "--mapping") for name in "train repair fill rig interpolate compare sample".split()},
+    *{
+        (name, "--mapping")
+        for name in "train repair fill edit rig interpolate compare sample".split()
+    },
     *{(name, "files") for name in "repair fill show verify".split()},
     *{("train", "folders"), ("interpolate", "first"), ("interpolate", "second")},
-    *{("compare", "motions"), ("sample", "--data"), ("sample", "--like"), ("rig", "file")},
+    *{
+        ("compare", "motions"),
+        ("sample", "--data"),
+        ("sample", "--like"),
+        ("rig", "file"),
+        ("edit", "file"),
+    },
     *{("repair", "--mask"), ("fill", "--mask"), ("lessons", "--from")},
     *{("verify", "--roster"), ("verify", "--late"), ("verify", "--teams")},
 }
 WORDS = {
-    *{("repair", "--joint"), ("fill", "--joint"), ("train", "--test"), ("lessons", "--only")},
+    *{("repair", "--joint"), ("fill", "--joint"), ("edit", "--joint")},
+    *{("train", "--test"), ("lessons", "--only")},
     *{("download", "--site"), ("verify", "--lesson")},
 }
 """Options whose text is no file."""

@@ -59,6 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     only += "page and in the file of --findings"
     strength = "0 to 1: how much of the way of the repair each joint goes (default: 1)"
     add("--strength", type=arguments.fraction, metavar="S", help=strength)
+    fade = "seconds in which each repaired stretch begins and ends (default: 0, at once)"
+    add("--fade", type=arguments.rate, metavar="SECONDS", help=fade)
     add("--only", nargs="+", type=arguments.positive_number, metavar="N", help=only)
 
 
@@ -66,9 +68,9 @@ def run(args: argparse.Namespace) -> int:
     """Load, repair, write and print each motion."""
     manifold = files.load_model(args)
     preset = _preset(args)
-    is_plain = preset == Preset() and args.strength is None
+    is_plain = preset == Preset() and args.strength is None and args.fade is None
     if args.project and (damage_options.is_chosen(args) or not is_plain):
-        options = "--joint, --mask, --from, --smooth, --feet, --strength and --sensitivity"
+        options = "--joint, --mask, --from, --smooth, --feet, --strength, --fade and --sensitivity"
         raise ValueError(f"--project changes the whole motion: use it without {options}")
     if args.source:
         print(f"--from {args.source}: {preset}")
@@ -112,7 +114,8 @@ def _repair(
     repaired = repair_motion(motion, manifold, preset=preset, findings=findings, progress=progress)
     if args.only:
         repaired = repair_motion(motion, manifold, findings=_only(args.only, repaired))
-    return repaired if args.strength is None else weaken(repaired, args.strength)
+    strength = 1.0 if args.strength is None else args.strength
+    return weaken(repaired, strength, args.fade or 0.0)
 
 
 def _preset(args: argparse.Namespace) -> Preset:

@@ -51,7 +51,8 @@ def rewrite_numbers(source: str | Path, before: Motion, after: Motion, path: str
     before : Motion
         The motion that `load_motion(source)` returns.
     after : Motion
-        The changed motion, on the same skeleton; of its frames some may be cut off at the start.
+        The changed motion, on the same skeleton; of its frames some may be cut off at the start,
+        and, where its first and its last frame are unchanged, at the end.
     path : path of the file
         Of the same suffix. Replaced if it exists; it may be `source`.
 
@@ -99,21 +100,36 @@ def _write_parts(
     parts: Iterator[str], replacer: _Replacer, before: Motion, after: Motion, source: Path
 ) -> Iterator[str]:
     """The parts of the new file, from those of the source: its header, then each frame that is not
-    cut off at the start."""
-    cut = len(before) - len(after)
+    cut off."""
     header = next(parts)
-    if cut == 0:
+    if len(before) == len(after):
         yield header
         yield from _replace_frames(parts, replacer, before, after, source)
         return
     yield _FRAMES.sub(rf"\g<1>{len(after)}", header)
-    remaining = islice(parts, cut, None)
-    frames = _replace_frames(remaining, replacer, before.at(slice(cut, None)), after, source)
+    first = _first_frame(before, after)
+    end = first + len(after)
+    remaining = islice(parts, first, end)
+    frames = _replace_frames(remaining, replacer, before.at(slice(first, end)), after, source)
     if replacer.is_bvh:
         yield from frames
         return
     for number, text in enumerate(frames, 1):  # an .amc file numbers its frames
         yield re.sub(r"\d+", str(number), text, count=1)
+
+
+def _first_frame(before: Motion, after: Motion) -> int:
+    """The frame of a motion with which a part of it begins: the one from which on its first and its
+    last frame are there unchanged; else only frames at the start are cut off."""
+    cut = len(before) - len(after)
+    is_first = np.ones(cut + 1, bool)
+    for values, part in (
+        (before.rotations, after.rotations),
+        (before.translations, after.translations),
+    ):
+        is_first &= (values[: cut + 1] == part[0]).all(axis=(1, 2))
+        is_first &= (values[len(values) - cut - 1 :] == part[-1]).all(axis=(1, 2))
+    return int(np.argmax(is_first)) if is_first.any() else cut
 
 
 def _replace_frames(

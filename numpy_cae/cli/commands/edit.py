@@ -1,0 +1,125 @@
+"""Trim, split, mirror, resample or filter a motion, or remove the flips of its angles. Nothing is
+looked for or repaired. What an edit does not change is kept as in the file. Several edits are
+several commands.
+
+examples, with the files that `numpy-cae demo` writes:
+  numpy-cae edit demo/true.bvh -o part.bvh --trim --frames 30 90
+  numpy-cae edit demo/true.bvh -o clips --split
+  numpy-cae edit demo/true.bvh -o mirrored.bvh --mirror
+  numpy-cae edit demo/true.bvh -o slower.bvh --resample 15
+  numpy-cae edit demo/damaged.bvh -o calm.bvh --median 2 --joint left_elbow --frames 30 60
+  numpy-cae edit demo/damaged.bvh -o smooth.bvh --low-pass 6 --fade 0.2 --frames 30 60
+  numpy-cae edit demo/true.bvh -o plain.bvh --euler
+"""
+
+import argparse
+from pathlib import Path
+
+from numpy_cae.cleanup.edits import (
+    FADE_SECONDS,
+    filter_low_pass,
+    filter_median,
+    mirror_motion,
+    split_at_cuts,
+    trim_motion,
+)
+from numpy_cae.cli.shared import arguments
+from numpy_cae.mocap import require_bvh
+from numpy_cae.mocap.file_motion import KEPT_SUFFIXES, FileMotion
+from numpy_cae.mocap.load import load_motion
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The file, the edit, and which joints and frames it is for."""
+    add = parser.add_argument
+    add("file", **arguments.FILE, help="motion file (.bvh, .amc or .txt) to read")
+    output = "file to write, in the same format or .bvh; with --split a folder for the clips"
+    add("-o", "--output", type=Path, required=True, help=output)
+    arguments.add_shared(parser, "overwrite mapping unit up floor")
+    edits = parser.add_mutually_exclusive_group(required=True)
+    edits.add_argument("--trim", **arguments.FLAG, help="keep the frames of --frames alone")
+    edits.add_argument("--split", **arguments.FLAG, help="write each clip of the file by itself")
+    edits.add_argument("--mirror", **arguments.FLAG, help="swap the left and the right side")
+    rate = "take the motion to this many frames a second"
+    edits.add_argument("--resample", type=arguments.positive, metavar="RATE", help=rate)
+    euler = "remove flips and whole turns of the angles (Euler filter): the motion is the same"
+    edits.add_argument("--euler", **arguments.FLAG, help=euler)
+    low_pass = "filter with a Butterworth filter of this cut-off frequency"
+    edits.add_argument("--low-pass", type=arguments.positive, metavar="HZ", help=low_pass)
+    median = "filter with the median of N frames before and after"
+    edits.add_argument("--median", **arguments.COUNT, help=median)
+    group = parser.add_argument_group("what --low-pass and --median filter (default: everything)")
+    joints = "joints to filter, such as left_wrist, by our names or the rig's"
+    group.add_argument("--joint", nargs="+", metavar="NAME", help=joints)
+    frames = "first and last frame to filter, or of --trim, counted from 0"
+    group.add_argument(
+        "--frames",
+        type=arguments.whole_number,
+        nargs=2,
+        metavar=("FIRST", "LAST"),
+        help=frames,
+    )
+    fade = f"seconds in which the filter begins and ends (default: {FADE_SECONDS:g})"
+    group.add_argument("--fade", type=arguments.rate, metavar="SECONDS", help=fade)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Load, edit, write and print the motion."""
+    _require_suitable(args)
+    motion = load_motion(args.file, **arguments.reading(args))
+    if args.split:
+        clips = split_at_cuts(motion)
+        args.output.mkdir(parents=True, exist_ok=True)
+        suffix = args.file.suffix if args.file.suffix.lower() in KEPT_SUFFIXES else ".bvh"
+        for number, clip in enumerate(clips, start=1):
+            _write(args, clip, args.output / f"{args.file.stem}_{number}{suffix}")
+        return 0
+    _write(args, _edit(args, motion), args.output)
+    return 0
+
+
+def _edit(args: argparse.Namespace, motion: FileMotion) -> FileMotion:
+    """The motion after the edit that the options name."""
+    fade = FADE_SECONDS if args.fade is None else args.fade
+    if args.trim:
+        edited = trim_motion(motion, args.frames)
+    elif args.mirror:
+        edited = mirror_motion(motion)
+    elif args.resample:
+        edited = motion.resampled(args.resample)
+    elif args.low_pass:
+        edited = filter_low_pass(motion, args.low_pass, args.joint, args.frames, fade)
+    elif args.euler:
+        edited = motion
+    else:
+        edited = filter_median(motion, args.median, args.joint, args.frames, fade)
+    assert isinstance(edited, FileMotion)  # made of the motion that was loaded
+    return edited
+
+
+def _write(args: argparse.Namespace, motion: FileMotion, path: Path) -> None:
+    """Write a motion and print what was written; ValueError for the file that was read."""
+    if not args.overwrite:
+        arguments.require_not_read(path, [args.file])
+    if args.euler:
+        motion.save_with_continuous_angles(path)
+    else:
+        motion.save(path)
+    print(f"{path}: {motion}")
+
+
+def _require_suitable(args: argparse.Namespace) -> None:
+    """Raise ValueError for options that the edit does not have, and for an output that cannot be
+    written."""
+    is_filter = args.low_pass is not None or args.median is not None
+    if args.trim and args.frames is None:
+        raise ValueError("--trim: name the frames to keep with --frames FIRST LAST")
+    if args.frames is not None and not (args.trim or is_filter):
+        raise ValueError("--frames is for --trim, --low-pass and --median")
+    for option, value in (("--joint", args.joint), ("--fade", args.fade)):
+        if value is not None and not is_filter:
+            raise ValueError(f"{option} is for --low-pass and --median")
+    if args.split:
+        return
+    if args.file.suffix.lower() not in KEPT_SUFFIXES or args.file.suffix != args.output.suffix:
+        require_bvh(args.output)
