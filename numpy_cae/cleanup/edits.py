@@ -189,7 +189,7 @@ def _filter_part(
     """The motion with the curves of some joints filtered in some frames."""
     require_finite(motion)
     stretch = _stretch(motion, frames)
-    indices = range(len(motion.skeleton.names))
+    indices = list(range(len(motion.skeleton.names)))
     if joints is not None:
         indices = sorted({joint_of_rig(name, motion) for name in joints})
     filtered = filter_motion(motion, smooth)

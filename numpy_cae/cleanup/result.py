@@ -209,7 +209,8 @@ def weaken(repaired: Repaired, strength: float = 1.0, fade: float = 0.0) -> Repa
     is_there = np.isfinite(before.rotations).all(axis=-1)
     is_there &= np.isfinite(before.translations).all(axis=-1)
     changes = np.any(before.rotations != after.rotations, axis=-1)
-    shares = strength * _fading_shares(repaired.touched.any(axis=1), fade * after.rate)
+    is_changed = np.asarray(repaired.touched.any(axis=1))
+    shares = strength * _fading_shares(is_changed, fade * after.rate)
     rotations = after.rotations.copy()
     turned = is_there & changes
     share = np.broadcast_to(shares[:, None], turned.shape)[turned]

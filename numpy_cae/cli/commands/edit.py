@@ -27,6 +27,7 @@ from numpy_cae.cli.shared import arguments
 from numpy_cae.mocap import require_bvh
 from numpy_cae.mocap.file_motion import KEPT_SUFFIXES, FileMotion
 from numpy_cae.mocap.load import load_motion
+from numpy_cae.motion import Motion
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -78,27 +79,25 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _edit(args: argparse.Namespace, motion: FileMotion) -> FileMotion:
+def _edit(args: argparse.Namespace, motion: Motion) -> Motion:
     """The motion after the edit that the options name."""
     fade = FADE_SECONDS if args.fade is None else args.fade
     if args.trim:
-        edited = trim_motion(motion, args.frames)
-    elif args.mirror:
-        edited = mirror_motion(motion)
-    elif args.resample:
-        edited = motion.resampled(args.resample)
-    elif args.low_pass:
-        edited = filter_low_pass(motion, args.low_pass, args.joint, args.frames, fade)
-    elif args.euler:
-        edited = motion
-    else:
-        edited = filter_median(motion, args.median, args.joint, args.frames, fade)
-    assert isinstance(edited, FileMotion)  # made of the motion that was loaded
-    return edited
+        return trim_motion(motion, args.frames)
+    if args.mirror:
+        return mirror_motion(motion)
+    if args.resample:
+        return motion.resampled(args.resample)
+    if args.low_pass:
+        return filter_low_pass(motion, args.low_pass, args.joint, args.frames, fade)
+    if args.median:
+        return filter_median(motion, args.median, args.joint, args.frames, fade)
+    return motion  # its angles are changed where it is written
 
 
-def _write(args: argparse.Namespace, motion: FileMotion, path: Path) -> None:
+def _write(args: argparse.Namespace, motion: Motion, path: Path) -> None:
     """Write a motion and print what was written; ValueError for the file that was read."""
+    assert isinstance(motion, FileMotion)  # made of the motion that was loaded
     if not args.overwrite:
         arguments.require_not_read(path, [args.file])
     if args.euler:
