@@ -3,13 +3,13 @@ looked for or repaired. What an edit does not change is kept as in the file. Sev
 several commands.
 
 examples, with the files that `numpy-cae demo` writes:
-  numpy-cae edit demo/true.bvh -o part.bvh --trim --frames 30 90
+  numpy-cae edit demo/true.bvh -o trimmed.bvh --trim --frames 30 90
   numpy-cae edit demo/true.bvh -o clips --split
   numpy-cae edit demo/true.bvh -o mirrored.bvh --mirror
   numpy-cae edit demo/true.bvh -o slower.bvh --resample 15
   numpy-cae edit demo/damaged.bvh -o calm.bvh --median 2 --joint left_elbow --frames 30 60
   numpy-cae edit demo/damaged.bvh -o smooth.bvh --low-pass 6 --fade 0.2 --frames 30 60
-  numpy-cae edit demo/true.bvh -o plain.bvh --euler
+  numpy-cae edit demo/true.bvh -o turned.bvh --euler
 """
 
 import argparse
