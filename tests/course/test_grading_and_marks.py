@@ -24,6 +24,7 @@ from submissions import (
 from numpy_cae.cli import main
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES, LESSONS
+from numpy_cae.course.marks import handed_in
 from numpy_cae.course.marks.class_marks import ClassMarks
 from numpy_cae.course.marks.feedback_files import write_feedback
 from numpy_cae.course.marks.handed_in import HandedIn, find_files, hand_in_by_place
@@ -200,6 +201,19 @@ def test_a_students_folder_is_one_student_and_zip_files_are_opened(tmp_path, mon
         packed.writestr("ann_7_8_07.py", FRAMES_SEEN)
     (small,) = find_files(tmp_path / "small.zip", unpacked)
     assert "stored or deflated" in small.fault
+
+
+def test_a_large_file_in_a_zip_costs_one_student(tmp_path, monkeypatch):
+    monkeypatch.setattr(handed_in, "MOST_BYTES", 1000)
+    unpacked = tmp_path / "unpacked"
+    unpacked.mkdir()
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as packed:
+        packed.writestr("ann_7_8_07.py", "#" * 2000)
+        packed.writestr("bob_7_9_07.py", FRAMES_SEEN)
+    ann, bob = find_files(tmp_path / "all.zip", unpacked)
+    assert (ann.student, bob.student) == ("ann 7", "bob 7")
+    assert "too large" in ann.fault and not ann.path.exists()
+    assert bob.fault == "" and bob.path.read_text() == FRAMES_SEEN
 
 
 def test_marks_and_feedback_of_a_class(tmp_path, capsys):

@@ -28,6 +28,10 @@ MOST_FILES = 2000
 """A zip file may hold at most this many files."""
 MOST_BYTES = 2**28
 """The files of a zip file may have at most this many bytes together, unpacked."""
+TOO_LARGE = (
+    f"it is too large: the files of a zip file have at most {MOST_BYTES // 2**20} MB together"
+)
+"""Said of the largest files of a zip file, which are not unpacked; the others are graded."""
 DEEPEST = 2
 """A zip file in a zip file is opened, and none in that."""
 UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
@@ -175,19 +179,22 @@ def _files_inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[Listed
     """Each file in a folder or a zip file that is graded or to be named, none in hidden folders."""
     folder = path
     skipped: list[Path] = []
+    too_large: list[Path] = []
     if not path.is_dir():
         folder = Path(tempfile.mkdtemp(dir=unpacked))
         try:
-            skipped = _unzip(path, folder)
+            skipped, too_large = _unzip(path, folder)
         except Exception as error:  # zipfile raises many types, and zlib's own
             fault = f"the zip file is not opened: {error}"
             yield ListedFile(path, _as_place(path.name), fault)
             return
-    for file in sorted([*folder.rglob("*"), *skipped]):
+    for file in sorted([*folder.rglob("*"), *skipped, *too_large]):
         place = _as_place(file.relative_to(folder))
         if any(part.startswith((".", "__")) for part in place.parts):
             continue
-        if place.suffix == ZIP and depth < DEEPEST:
+        if file in too_large:
+            yield ListedFile(file, place, TOO_LARGE)
+        elif place.suffix == ZIP and depth < DEEPEST:
             for inner in _files_inside(file, unpacked, depth + 1):
                 yield ListedFile(inner.path, place.with_suffix("") / inner.place, inner.fault)
         elif place.suffix in SUFFIXES and place.name != MINE:
@@ -212,29 +219,50 @@ def _why_not_graded(place: PurePosixPath) -> str:
     return f"{place.name} is handed in, and a {kind} cannot be graded: {advice}"
 
 
-def _unzip(path: Path, folder: Path) -> list[Path]:
-    """Write the files of a zip file that are graded; return where the others would be.
-
-    Raises an error if the zip file is damaged or too large.
+def _unzip(path: Path, folder: Path) -> tuple[list[Path], list[Path]]:
+    """Write the files of a zip file that are graded, the smallest first.
 
     No entry unpacks to more bytes than it declares, and those that are deflated do so bit by bit.
+
+    Returns
+    -------
+    skipped : list of Path
+        Where files of other kinds would be.
+    too_large : list of Path
+        Where the files would be that are too large together with all smaller ones.
+
+    Raises
+    ------
+    Exception
+        If the zip file is damaged, holds too many files, or they are packed in another way.
     """
     with zipfile.ZipFile(path) as packed:
         entries = [entry for entry in packed.infolist() if not entry.is_dir()]
         if len(entries) > MOST_FILES:
             raise ValueError(f"it holds more than {MOST_FILES} files")
         needed = [entry for entry in entries if Path(entry.filename).suffix in (*SUFFIXES, ZIP)]
-        if sum(entry.file_size for entry in needed) > MOST_BYTES:
-            raise ValueError(f"its files are larger than {MOST_BYTES // 2**20} MB")
         if {entry.compress_type for entry in needed} - UNPACKED:
             raise ValueError("only files that are stored or deflated are unpacked")
-        for entry in needed:
+        skipped: list[Path] = []
+        for entry in entries:
+            if entry not in needed:
+                skipped += _place_of(entry, folder)
+        too_large: list[Path] = []
+        total = 0
+        for entry in sorted(needed, key=lambda entry: entry.file_size):
+            total += entry.file_size
+            if total > MOST_BYTES:
+                too_large += _place_of(entry, folder)
+                continue
             name = entry.filename.replace("\\", "/").encode("utf-8", "surrogateescape")
             entry.filename = os.fsdecode(name)
             packed.extract(entry, folder)
-    skipped = []
-    for entry in entries:
-        place = PurePosixPath(entry.filename.replace("\\", "/"))
-        if entry not in needed and ".." not in place.parts and not place.is_absolute():
-            skipped.append(folder / os.fsdecode(str(place).encode("utf-8", "surrogateescape")))
-    return skipped
+    return skipped, too_large
+
+
+def _place_of(entry: zipfile.ZipInfo, folder: Path) -> list[Path]:
+    """Where an entry would be in a folder; nowhere, if it would be outside."""
+    place = PurePosixPath(entry.filename.replace("\\", "/"))
+    if ".." in place.parts or place.is_absolute():
+        return []
+    return [folder / os.fsdecode(str(place).encode("utf-8", "surrogateescape"))]
