@@ -7,13 +7,13 @@ Each statement has a rule, opponents, takes, seeds and a spread, which are writt
 `studies/shared/statements.json` before they are measured. holden2015 is judged with the network and
 the schedule of the paper, trained on takes of the source that is measured, and with that of
 `--recipe best`, some seeds of each; choices of training and depth with smaller networks; press-ups
-with a network that learned press-ups. Networks are kept in the folder of --cache, or read from
---paper and --best. Without --data the takes are synthetic. jang2018 is judged by the studies
+with a network that learned press-ups. Networks are kept in the folder of --cache; --network judges
+that of a file alone. Without --data the takes are synthetic. jang2018 is judged by the studies
 `sequences` and `sequence_choices`, with fewer minutes and steps. --quick has fewer of all: one
 network of `--recipe fast`, one seed.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -55,6 +55,8 @@ SEQUENCES = {False: (15.0, 1000), True: (2.0, 60)}
 """Minutes of each action of jang2018 and steps of training, without --quick and with it."""
 CHOICES = {False: (8.0, 400), True: (1.0, 40)}
 """The same of the choices of jang2018."""
+QUICK_EPOCHS = 20
+"""Epochs of the network with --quick."""
 PAPER = "the paper's"
 BEST = "best"
 QUICK = "fast, few epochs"
@@ -64,7 +66,7 @@ HEADER = ("statement", "network", "measured", "strongest simple opponent", "verd
 
 @dataclass(frozen=True)
 class JudgedClaim:
-    """A claim of each seed, and the network that was judged: `PAPER`, `BEST`, `QUICK`, `BOTH`."""
+    """A claim of each seed, and the network that was judged, such as `PAPER`; `BOTH` for none."""
 
     network: str
     of_seeds: Sequence[Claim]
@@ -97,8 +99,7 @@ def run(
     material: Material | None = None,
     seed: int = 0,
     trainer: Trainer | None = None,
-    paper: Path | None = None,
-    best: Path | None = None,
+    network: Path | None = None,
     quick: bool = False,
     seeds: int = SEEDS,
 ) -> Result:
@@ -113,11 +114,8 @@ def run(
         if material is None:
             material = make_material(Path(folder), MINUTES[quick], seed)
         judged: list[JudgedClaim] = []
-        for name, path in ((PAPER, paper), (BEST, best)):
-            if quick and name == PAPER:
-                continue
-            networks = networks_of(name, path, material, trainer, range(seed, seed + seeds), quick)
-            judged += judge_networks(QUICK if quick else name, networks, material, notes)
+        for name, networks in networks_to_judge(material, seed, trainer, network, quick, seeds):
+            judged += judge_networks(name, networks, material, notes)
         judged += judge_small_networks(material, seed, trainer, quick, notes)
         if not has_press_ups(material):
             judged += judge_press_ups(Path(folder) / "press_ups", seed, trainer, quick)
@@ -156,29 +154,32 @@ def make_material(
     return read_material([folder], [f"{plan.name}.bvh" for plan in plans[4::5]])
 
 
-def networks_of(
-    name: str,
-    path: Path | None,
+def networks_to_judge(
     material: Material,
+    seed: int,
     trainer: Trainer,
-    seeds: Sequence[int],
-    quick: bool = False,
-) -> list[MotionManifold]:
-    """The network of a file, or those of each seed, trained first unless they are kept."""
-    if path is not None:
-        manifold = load_manifold(path)
+    network: Path | None,
+    quick: bool,
+    seeds: int,
+) -> Iterator[tuple[str, list[MotionManifold]]]:
+    """Name of each network that is judged, and those of its seeds: that of the file, or those of
+    the recipes, trained first unless they are kept."""
+    if network is not None:
+        manifold = load_manifold(network)
         if not isinstance(manifold, MotionManifold):
-            raise ValueError(f"{path}: not a convolutional, but a sequential manifold")
-        return [manifold]
-    schedule = recipe("paper" if name == PAPER else "best")
+            raise ValueError(f"{network}: not a convolutional, but a sequential manifold")
+        yield network.stem, [manifold]
+        return
+    schedules = {PAPER: recipe("paper"), BEST: recipe("best")}
     if quick:
-        schedule = shortened(recipe("fast"), 20)
+        schedules = {QUICK: shortened(recipe("fast"), QUICK_EPOCHS)}
     takes = [take.positions for take in material.training]
-    networks = []
-    for seed in seeds:
-        note(f"the network is trained or read: {name}, seed {seed}")
-        networks.append(trainer.learn(takes, schedule, seed))
-    return networks
+    for name, schedule in schedules.items():
+        networks = []
+        for number in range(seed, seed + seeds):
+            note(f"the network is trained or read: {name}, seed {number}")
+            networks.append(trainer.learn(takes, schedule, number))
+        yield name, networks
 
 
 def judge_networks(

@@ -13,13 +13,13 @@ from studies.shared.trained import Trainer
 
 @pytest.fixture(scope="module")
 def judged(small, small_manifold, labelled, tmp_path_factory):
-    """The result for two networks, of few studies."""
-    path = tmp_path_factory.mktemp("model") / "model.npz"
+    """The result for a network of a file, of few studies."""
+    path = tmp_path_factory.mktemp("model") / "small.npz"
     small_manifold.save(path)
     small.setattr(claims, "STUDIES", {"kinect": {}, "sampling": {}})
     small.setattr(claims, "SMALL_STUDIES", ())
     small.setattr(claims, "judge_sequences", lambda quick, seed, seeds: [])
-    return claims.run(labelled, 0, None, path, path, seeds=1)
+    return claims.run(labelled, network=path)
 
 
 def test_statements_are_in_the_order_of_the_papers(judged):
@@ -28,8 +28,8 @@ def test_statements_are_in_the_order_of_the_papers(judged):
 
 
 @pytest.mark.parametrize("key", ["kinect_closer", "uniform_prior"])
-def test_each_network_is_judged_by_each_study(judged, key):
-    assert [claim.key for claim in judged.claims].count(key) == 2
+def test_the_network_of_a_file_is_judged_alone_by_each_study(judged, key):
+    assert [claim.of for claim in judged.claims if claim.key == key] == ["small"]
 
 
 def test_each_claim_has_a_row_and_is_counted(judged):
@@ -75,15 +75,17 @@ def test_an_opponent_has_to_fulfil_the_rule_with_every_seed():
     assert claims.JudgedClaim("best", fulfilled[:1]).merged().verdict == "not distinctive"
 
 
-def test_networks_of_each_seed_are_kept(labelled, tmp_path, monkeypatch):
+def test_networks_of_each_recipe_and_seed_are_kept(labelled, tmp_path, monkeypatch):
     short = Schedule(Stage(epochs=0), Stage(epochs=1, batch=16, optimiser="adam", rate=0.001))
     monkeypatch.setattr(claims, "recipe", lambda name: short)
-    trainer = Trainer(tmp_path)
-    networks = claims.networks_of("best", None, labelled, trainer, range(2))
-    assert len(networks) == len(list(tmp_path.iterdir())) == 2
-    again = claims.networks_of("best", None, labelled, trainer, range(1))
-    weights = networks[0].network.parameters["w1"]
-    np.testing.assert_array_equal(again[0].network.parameters["w1"], weights)
+    arguments = (labelled, 0, Trainer(tmp_path), None, False, 2)
+    networks = dict(claims.networks_to_judge(*arguments))
+    assert list(networks) == [claims.PAPER, claims.BEST]
+    assert len(list(tmp_path.iterdir())) == 2  # both recipes are the same here
+    again = dict(claims.networks_to_judge(*arguments))
+    first = networks[claims.BEST][0].network.parameters["w1"]
+    np.testing.assert_array_equal(again[claims.BEST][0].network.parameters["w1"], first)
+    assert np.any(networks[claims.BEST][1].network.parameters["w1"] != first)
 
 
 def test_a_delay_changes_only_the_velocity_of_the_hips(result_of):
