@@ -144,3 +144,15 @@ def test_memory_order_and_later_calls_matter_to_every_exercise(patch):
     stated = EXERCISES[patch.operation]
     wrong = patch.applied_to(stated.solution)
     assert [p.name for p in stated.properties if failing_case(p, wrong)] == [patch.caught_by]
+
+
+def test_a_stack_that_computes_in_float64_is_refused():
+    def in_float64(x, corrupted, layers, bound):
+        wide = [(w.astype(float), b.astype(float)) for w, b in layers]
+        return EXERCISES["stack_loss"].solution(x, corrupted, wide, bound)
+
+    failing = []
+    for stated in EXERCISES["stack_loss"].properties:
+        if failing_case(stated, in_float64) is not None:
+            failing.append(stated.name)
+    assert failing == ["dtype"]

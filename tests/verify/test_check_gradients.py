@@ -35,6 +35,13 @@ def test_finds_one_wrong_entry_and_shows_both_numbers(shape, index, error):
     assert "by the pullback" in problem and "by central differences" in problem
 
 
+def test_does_not_excuse_the_only_entry():
+    rectifier = lambda x: (np.maximum(x, 0), lambda dy: 0.7 * dy)  # noqa: E731
+    with pytest.raises(AssertionError, match="has a kink in 1 of 1 entries"):
+        check_gradients(rectifier, np.zeros(1))
+    check_gradients(lambda x: (np.maximum(x, 0), lambda dy: dy * (x > 0)), np.array([0.0, 1.0]))
+
+
 def test_does_not_excuse_many_kinks():
     problem = judged(lambda x: (np.maximum(x, 0), lambda dy: dy * (x >= 0)), np.zeros(30))
     assert "has a kink in 30 of 30 entries" in problem

@@ -39,7 +39,7 @@ DIRECTIONS = 4
 EQUAL_ENTRIES = (1.7, 2.9)
 """Frequencies by which the step of an entry depends on its size."""
 KINKS_EXCUSED = 0.05
-"""Kinks are excused in one entry, or in at most this share of the entries."""
+"""Kinks are excused in one entry of several, or in at most this share of the entries."""
 WORDS_OF_FURTHER_PROBLEMS = 60
 """Of a second and further wrong gradient so many words are printed."""
 NUMBER_DIGITS = 10
@@ -301,7 +301,7 @@ def _judge(
         if verdict.kind == WRONG or (verdict.kind == AGREES and argument.epsilon < SINGLE):
             share = f"wrong in {len(wrong)} of {tried} {of_what}"
             yield _wrong_slope(argument, index, verdict, share)
-    elif len(kinks) > max(1, int(kinks_excused * tried)):
+    elif len(kinks) > max(1, int(kinks_excused * tried)) or _are_all(kinks, tried, kinks_excused):
         index, verdict = _trace(argument, *kinks[0])
         yield _too_many_kinks(argument, index, verdict, f"{len(kinks)} of {tried} entries")
     elif kinks_excused < 1 and 2 * len(undecided) > tried:
@@ -309,6 +309,11 @@ def _judge(
         last = "differences of the value scatter too much: choose other inputs"
         text = f"{first} {len(undecided)} of {tried} {of_what}\n    {last}"
         yield Mismatch(UNDECIDED, argument.name, text)
+
+
+def _are_all(kinks: Sequence[Judged], tried: int, kinks_excused: float) -> bool:
+    """Whether every entry is at a kink, so that any pullback would pass, where not all may be."""
+    return kinks_excused < 1 and 0 < tried == len(kinks)
 
 
 def _worst_of(wrong: Sequence[Judged]) -> Judged:
