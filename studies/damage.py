@@ -1,6 +1,6 @@
 """Planted damage of eight kinds in the rig of the file, repaired with the mask unknown, with the
-mask given, and by simple methods; and holes of several lengths. `python -m studies clean_motion`
-has motions without damage.
+mask given, and by simple methods. `python -m studies holes` has holes of several lengths, and
+`python -m studies clean_motion` motions without damage.
 
     python -m studies damage --data bandai --test '*_005.bvh'
 
@@ -10,7 +10,7 @@ the damaged joints and frames.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -26,41 +26,24 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
 from numpy_cae.mocap.retargeting.body import Body
 from numpy_cae.mocap.retargeting.to_rig import retarget
-from numpy_cae.motion import JOINTS, POSITIONS, RATE, Motion
+from numpy_cae.motion import POSITIONS, Motion
 from numpy_cae.motion.filters import filter_motion, filter_strongly
 from numpy_cae.motion.hole_curves import ROTATION_CURVES, Curve
-from numpy_cae.motion.joints import LIMBS, joint_mask
-from studies.shared.charts import draw_damage_and_repair, draw_ratios_by_length
-from studies.shared.damages import DAMAGES, EASED, ONSETS, eased, stretch
+from studies.shared.charts import draw_damage_and_repair
+from studies.shared.damages import DAMAGES, EASED, ONSETS, eased
 from studies.shared.material import LabelledTake, Material, evenly
-from studies.shared.result import Claim, Picture, Result, Table
+from studies.shared.result import Picture, Result, Table
 
 TAKES = 10
 """Of each source at most this many takes are damaged."""
-HOLE_TAKES = 70
-"""Of each source at most this many takes get holes. From take to take the ratio of errors
-varies by a third."""
-HOLES = (10, 20, 45, 90)
-"""Lengths of holes, in frames at 30 a second."""
-PARTS: dict[str, tuple[Sequence[str], float]] = {
-    "wrist": (("left_wrist",), 1.0),
-    "arm": (LIMBS["left_arm"], 0.95),
-    "leg": (LIMBS["left_leg"], 0.8),
-    "whole body": (JOINTS, 1.0),
-}
-"""Name of a part to its joints, which are missing in the holes, and the share of the error of the
-best rotation curve that repair with the mask given may have."""
 DAMAGED = "as damaged"
 UNKNOWN = "repair, mask unknown"
 GIVEN = "repair, mask given"
 LINEAR = "Gaussian of 15 frames, mask given"
 JITTER = "jitter"
-BEST = "best curve"
 CURVES = {f"{name} of rotations, mask given": curve for name, curve in ROTATION_CURVES.items()}
 """What an animator does: the damaged keys are deleted, and a curve runs through the rotations of
 the rig on both sides. The curves are given the mask and the undamaged rotations."""
-LEAST_ERROR = 0.02
-"""In ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
 RECALL = "of the damage, found"
 PRECISION = "of what is found, damaged"
 GAUSSIAN_TAKES = 60
@@ -73,15 +56,11 @@ ERROR = (
 ELSEWHERE = "change of everything else, cm"
 BY_ONSET = "error, cm, by the frames at 30 a second over which damage begins and ends"
 FINDINGS = "what repair finds, mask unknown, % of joints and frames"
-HOLE_ERROR = "holes in takes without damage, cm"
-RATIO = "the same holes, error of repair by that of each curve, geometric mean over the holes"
 TABLES: dict[str, Sequence[str]] = {
     ERROR: KINDS,
     ELSEWHERE: KINDS,
     BY_ONSET: [str(onset) for onset in ONSETS],
     FINDINGS: KINDS,
-    HOLE_ERROR: (*CURVES, GIVEN),
-    RATIO: (*CURVES, BEST),
 }
 """Caption to the columns."""
 Values = dict[str, dict[str, list[float]]]
@@ -107,7 +86,6 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         LINEAR: gaussian_filling(manifold, material.training),
     }
     tables = list[Table]()
-    claims = list[Claim]()
     figures = dict[str, Picture]()
     for source in dict.fromkeys(take.source for take in material.testing):
         testing = material.of(source).testing
@@ -115,34 +93,18 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         takes = evenly(testing, TAKES)
         for number, take in enumerate(takes):
             trial.add(material.motion(take), number)
-        for number, take in enumerate(evenly(testing, HOLE_TAKES)):
-            trial.add_holes(material.motion(take), number)
-        trial.add_ratios()
         tables_of_source = trial.tables(f"{source}, {len(takes)} takes")
         tables += tables_of_source
-        figures |= _charts(tables_of_source, source)
-        claims += _of_holes(trial.values[RATIO], source)
+        errors = dict(zip(TABLES, tables_of_source, strict=True))[ERROR]
+        draw = partial(draw_damage_and_repair, errors, DAMAGED, UNKNOWN, GIVEN)
+        figures[f"damage_{source}"] = Picture(draw)
     learned = manifold.settings.get("takes")
     return Result(
         "Repair: damage in the file's own rig",
         tables,
-        claims,
-        figures,
+        figures=figures,
         note=f"The network learned from {learned} takes. The Gaussian is fitted to training takes.",
     )
-
-
-def _charts(tables: Sequence[Table], source: str) -> dict[str, Picture]:
-    """The charts of kinds of damage and of holes."""
-    by_caption = dict(zip(TABLES, tables, strict=True))
-    errors = by_caption[ERROR]
-    ratios = by_caption[RATIO]
-    return {
-        f"damage_{source}": Picture(
-            partial(draw_damage_and_repair, errors, DAMAGED, UNKNOWN, GIVEN)
-        ),
-        f"holes_{source}": Picture(partial(draw_ratios_by_length, ratios)),
-    }
 
 
 class _Trial:
@@ -200,33 +162,6 @@ class _Trial:
             motions[name] = filter_curves(damaged, name)
         return motions
 
-    def add_holes(self, motion: Motion, number: int) -> None:
-        """Fill holes in a take without damage, mask given; where the take is too short, none."""
-        true = body_positions(motion)
-        for frames in HOLES:
-            if motion.seconds < frames / RATE + 1:
-                continue
-            rng = np.random.default_rng([self.seed, number, frames])
-            hole = stretch(motion, frames / RATE, rng)
-            for part, (joints, _) in PARTS.items():
-                mask = joint_mask(len(motion), joints, hole)
-                for name in (*CURVES, GIVEN):
-                    filled = body_positions(self.fillings[name](motion, mask))
-                    error = _distance(filled, true)[mask].mean()
-                    self.values[HOLE_ERROR][f"{part}, {frames} frames"][name].append(error)
-
-    def add_ratios(self) -> None:
-        """For each kind of hole the geometric mean over the holes of the error of repair by that of
-        each rotation curve; and the largest of the three, that of the best curve."""
-        for hole, errors in self.values[HOLE_ERROR].items():
-            logs = {
-                name: np.log(np.maximum(values, LEAST_ERROR)) for name, values in errors.items()
-            }
-            ratios = {name: float(np.exp(np.mean(logs[GIVEN] - logs[name]))) for name in CURVES}
-            ratios[BEST] = max(ratios.values())
-            for name, ratio in ratios.items():
-                self.values[RATIO][hole][name].append(ratio)
-
     def tables(self, source: str) -> list[Table]:
         """All of them."""
         return [
@@ -242,14 +177,6 @@ class _Trial:
                 row.append(np.mean(numbers[column]) if column in numbers else None)
             rows.append(row)
         return rows
-
-
-def _of_holes(ratios: Values, source: str) -> Iterator[Claim]:
-    for part, (_, most) in PARTS.items():
-        best = {hole: row[BEST][0] for hole, row in ratios.items() if hole.startswith(part)}
-        figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in best.items())
-        is_confirmed = max(best.values(), default=np.inf) <= most
-        yield Claim("holes_filled", bool(is_confirmed), f"{figures}.", f"{source}, {part}")
 
 
 def _distance(positions: np.ndarray, true_positions: np.ndarray) -> np.ndarray:

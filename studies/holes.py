@@ -16,22 +16,37 @@ smallest error, as a geometric mean, in holes of this part and length.
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from numpy_cae.cleanup import fill_motion
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
-from numpy_cae.motion import RATE, Motion
-from numpy_cae.motion.joints import joint_mask
-from studies.damage import CURVES, HOLES, LEAST_ERROR, PARTS, curve_filling
+from numpy_cae.motion import JOINTS, RATE, Motion
+from numpy_cae.motion.joints import LIMBS, joint_mask
+from studies.damage import CURVES, curve_filling
+from studies.shared.charts import draw_ratios_by_length
 from studies.shared.damages import stretch
 from studies.shared.material import Material, evenly
-from studies.shared.result import Result, Table
+from studies.shared.result import Claim, Picture, Result, Table
 
+HOLES = (10, 20, 45, 90)
+"""Lengths of holes, in frames at 30 a second."""
+PARTS: dict[str, tuple[Sequence[str], float]] = {
+    "wrist": (("left_wrist",), 1.0),
+    "arm": (LIMBS["left_arm"], 0.95),
+    "leg": (LIMBS["left_leg"], 0.8),
+    "whole body": (JOINTS, 1.0),
+}
+"""Name of a part to its joints, which are missing in the holes, and the share of the error of the
+best rotation curve that `fill` may have."""
+LEAST_ERROR = 0.02
+"""In ratios, smaller errors (cm) count as this; joints at rest are filled exactly."""
+RATIO = "ratio"
 FILL = "`fill`"
-HEADER = ("", "holes", "`fill`, cm", "best curve, cm", "ratio", "best curve")
+HEADER = ("", "holes", "`fill`, cm", "best curve, cm", RATIO, "best curve")
 Errors = dict[str, dict[str, list[float]]]
 """Part and length to method to the error (cm) in each hole."""
 
@@ -51,16 +66,22 @@ def run(
             raise ValueError(f"no part {part}: --parts has some of {', '.join(PARTS)}")
     parts_in_order = [part for part in PARTS if part in parts]
     tables = []
+    claims = []
+    figures = {}
     for source in dict.fromkeys(take.source for take in material.testing):
         chosen = evenly(material.of(source).testing, takes)
         motions = [material.motion(take) for take in chosen]
         errors = errors_in_holes(manifold, motions, parts_in_order, seed)
         if errors:
             caption = f"{source}, {len(motions)} takes: error of `fill` and of the best curve."
-            tables.append(Table(caption, HEADER, rows_of(errors)))
+            table = Table(caption, HEADER, rows_of(errors))
+            tables.append(table)
+            claims += claims_of(table, source)
+            draw = partial(draw_ratios_by_length, table, RATIO)
+            figures[f"holes_{source}"] = Picture(draw)
     if not tables:
         raise ValueError(f"no test take is long enough for a hole of {min(HOLES)} frames")
-    return Result("Holes filled by fill and by rotation curves", tables, [])
+    return Result("Holes filled by fill and by rotation curves", tables, claims, figures)
 
 
 def errors_in_holes(
@@ -109,3 +130,14 @@ def rows_of(errors: Errors) -> list[list[object]]:
         curve_name = best.split()[0]
         rows.append([hole, len(filled), np.mean(filled), np.mean(by_curve), ratio, curve_name])
     return rows
+
+
+def claims_of(table: Table, source: str) -> Iterator[Claim]:
+    """Whether `fill` has small enough a share of the error of the best curve, for each part."""
+    column = HEADER.index(RATIO)
+    for part, (_, most) in PARTS.items():
+        ratios = {str(row[0]): row[column] for row in table.rows if str(row[0]).startswith(part)}
+        if ratios:
+            figures = ", ".join(f"{hole} {ratio:.2f}" for hole, ratio in ratios.items())
+            is_fulfilled = all(ratio <= most for ratio in ratios.values())
+            yield Claim("holes_filled", is_fulfilled, f"{figures}.", f"{source}, {part}")

@@ -23,7 +23,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from numpy_cae.atomic_write import atomic_write
-from studies.damage import DAMAGED, ERROR, GIVEN, RATIO, UNKNOWN
+from studies.damage import DAMAGED, ERROR, GIVEN, UNKNOWN
+from studies.holes import RATIO
 from studies.shared.charts import (
     draw_damage_and_repair,
     draw_errors_by_share,
@@ -44,9 +45,9 @@ def charts(study: str, tables: list[Table]) -> Iterator[tuple[str, Callable[[], 
         yield "sources", partial(draw_errors_by_share, tables)
     if study == "damage":
         (errors,) = [table for table in tables if ERROR in table.caption]
-        (ratios,) = [table for table in tables if RATIO in table.caption]
         yield "damage", partial(draw_damage_and_repair, errors, DAMAGED, UNKNOWN, GIVEN)
-        yield "holes", partial(draw_ratios_by_length, ratios)
+    if study == "holes":
+        yield "holes", partial(draw_ratios_by_length, tables[0], RATIO)
     if study == "speed":
         yield "speed", partial(draw_speed, tables[:2])
 

@@ -1,9 +1,9 @@
 """How far a hip or a shoulder is turned from what the other joints predict.
 
 The positions of the joints outside the limb, in the body's frame, at the frames t - 4, t and t + 4
-at thirty a second, predict the rotation vector of the joint (`cleanup.joint_regression`). The regression
-is fitted to the take without the block of time that it predicts, and without a margin around it,
-and is robust: frames are weighed by their residuals of the round before.
+at thirty a second, predict the rotation vector of the joint (`cleanup.joint_regression`). The
+regression is fitted to the take without the block of time that it predicts, and without a margin
+around it, and is robust: frames are weighed by their residuals of the round before.
 """
 
 import numpy as np

@@ -57,12 +57,13 @@ def draw_errors_by_share(tables: Sequence[Table]) -> Figure:
     return figure
 
 
-def draw_ratios_by_length(table: Table) -> Figure:
-    """Error of repair in holes by that of the best curve, over the length: a line for each part."""
+def draw_ratios_by_length(table: Table, ratio: str) -> Figure:
+    """Error of `fill` in holes by that of the best curve, in a column, over the length."""
+    column = list(table.header).index(ratio)
     ratios: dict[str, dict[float, float]] = {}
     for row in table.rows:
         part, _, length = str(row[0]).rpartition(", ")
-        ratios.setdefault(part, {})[number_in(length) / 30] = number_in(row[-1])
+        ratios.setdefault(part, {})[number_in(length) / 30] = number_in(row[column])
     figure = _figure(5.4, 3.2)
     axes = figure.subplots()
     axes.axhline(1, color=GREY, linewidth=1)

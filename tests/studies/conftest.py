@@ -18,9 +18,8 @@ from studies.shared.options import parameters
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 SMALL = {
     "repair_sweep": {"WINDOWS": 4},
-    "damage": {"TAKES": 1, "HOLE_TAKES": 1, "ONSETS": (0, 2), "HOLES": (15, 45)}
-    | {"DAMAGES": {kind: DAMAGES[kind] for kind in ("twisted leg", "dropped frames", "jitter")}}
-    | {"PARTS": {"wrist": (("left_wrist",), 1.0)}},
+    "damage": {"TAKES": 1, "ONSETS": (0, 2)}
+    | {"DAMAGES": {kind: DAMAGES[kind] for kind in ("twisted leg", "dropped frames", "jitter")}},
     "sampling": {"DRAWN": 4},
     "comparison": {"QUERIES": 2, "OF_SCENE": 1, "SECONDS": 3.0, "NEAREST": 2},
     "depth": {"FILTERS": (4, 6, 8), "recipe": lambda name: Schedule(layer=Stage(rate=0.02))},

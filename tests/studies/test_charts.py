@@ -4,12 +4,13 @@ import json
 
 import pytest
 
+from studies.holes import RATIO
 from studies.shared.charts import number_in
 from studies.shared.result import Result, Table, data
 from tools import result_figures
 from tools.result_figures import DOCS, charts, kept_tables, write_tables
 
-CHARTS = ("sources", "damage", "speed")
+CHARTS = ("sources", "damage", "holes", "speed")
 
 
 def test_a_cell_is_read_up_to_its_spread():
@@ -27,8 +28,10 @@ def test_charts_have_the_figures_of_the_tables(study):
                 values = line.get_xdata() if name == "damage" else line.get_ydata()
                 heights |= {round(float(value), 3) for value in values}
             heights |= {round(float(patch.get_height()), 3) for patch in axes.patches}
-        table = kept_tables(study)[1 if name == "holes" else 0]
-        shown = {round(number_in(row[-1]), 3) for row in table.rows if row[-1] is not None}
+        table = kept_tables(study)[0]
+        column = list(table.header).index(RATIO) if name == "holes" else -1
+        cells = [row[column] for row in table.rows if row[column] is not None]
+        shown = {round(number_in(cell), 3) for cell in cells}
         assert shown & heights, name
         assert (DOCS / "pictures" / f"{name}.png").is_file()
 

@@ -4,7 +4,7 @@ import pytest
 
 from studies.shared.result import measured, png, report, text
 
-NAMES = "repair_sweep filling_in interpolation comparison damage sampling "
+NAMES = "repair_sweep filling_in interpolation comparison holes sampling "
 NAMES += "representation kinect depth wrist stepped_keys training_choices scaling"
 
 

@@ -39,6 +39,19 @@ def test_the_best_curve_has_the_smallest_geometric_mean():
     np.testing.assert_allclose(row[2:5], [1.5, 5.0, np.sqrt(2) / 3])
 
 
+def test_claims_compare_ratios_with_the_share_of_the_part():
+    rows = [
+        ["arm, 10 frames", 5, 1.0, 2.0, 0.5, "pchip"],
+        ["arm, 20 frames", 5, 1.0, 1.0, 1.0, "x"],
+    ]
+    rows.append(["leg, 10 frames", 5, 1.0, 2.0, 0.5, "pchip"])
+    claims = list(holes.claims_of(holes.Table("", holes.HEADER, rows), "bandai"))
+    assert [(claim.of, claim.fulfilled) for claim in claims] == [
+        ("bandai, arm", False),
+        ("bandai, leg", True),
+    ]
+
+
 def test_the_error_is_that_of_the_missing_joints():
     motion = make_take("walk", 5, seconds=1.0, rate=30.0).motion
     mask = joint_mask(len(motion), ("left_wrist",), slice(10, 20))
