@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from numpy_cae.fast.blocks import LayerSizes
-from numpy_cae.fast.thread_team import thread_team
+from numpy_cae.fast.thread_team import is_limited_to_one_blas_thread, thread_team
 from numpy_cae.fast.workspace import Layers, Worker, Workspace
 from numpy_cae.models import ConvAutoencoder, conv_autoencoder
 from numpy_cae.ops.shapes import require_shape
@@ -137,7 +137,11 @@ class FastConvAutoencoder(ConvAutoencoder):
         multiplications = sum(
             batch * (frames >> k) * layer.w.size for k, layer in enumerate(layers)
         )
-        team = thread_team(1 if multiplications < MIN_MULTIPLICATIONS else self._threads)
+        is_small = multiplications < MIN_MULTIPLICATIONS
+        if is_small or (batch == 1 and is_limited_to_one_blas_thread()):
+            team = thread_team(1)
+        else:
+            team = thread_team(self._threads)
         return self._make_workspace(sizes, tuple(layer.bound for layer in layers), team)
 
 

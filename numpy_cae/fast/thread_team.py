@@ -126,6 +126,11 @@ def one_blas_thread() -> Iterator[None]:
         _open_blocks.remove(block, write)
 
 
+def is_limited_to_one_blas_thread() -> bool:
+    """Whether a block of `one_blas_thread` has not ended."""
+    return _open_blocks.threads_before is not None
+
+
 class ThreadTeam:
     """A number of threads; the calling thread is worker 0."""
 

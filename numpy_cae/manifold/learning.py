@@ -1,6 +1,6 @@
 """Learning manifolds: holden2015, sections 4 and 6; jang2018, "Experimental Setup"."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from functools import partial
 
@@ -19,10 +19,12 @@ from numpy_cae.motion import (
     RATE,
     AngleSequence,
     bone_lengths,
+    change_lengths,
     cut_clips,
-    cut_windows,
+    positions_to_features,
 )
-from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY, features_on_mean_skeleton
+from numpy_cae.motion.features import FEATURES, POSITIONS, TURN, VELOCITY
+from numpy_cae.motion.windows import extend_to_window, window_starts
 from numpy_cae.training.state import HELD_OUT
 
 Report = Callable[[training.TrainingState], None]
@@ -41,6 +43,10 @@ BURN_IN = 5
 """Steps of the decoder before the first frame."""
 MOST_MEASURED = 20
 """The error while a network learns is that of at most this many test takes."""
+PART_FRAMES = 200_000
+"""Features are normalised so many frames at a time: 0.1 GB of float64, 1.9 hours."""
+PART_WINDOWS = 64
+"""So many windows are measured at a time."""
 CLIP_STEP = 5
 """The mean and deviation are computed from clips that start this many frames apart, or
 further apart where there would be more than `MOST_CLIPS` of them."""
@@ -49,7 +55,7 @@ MOST_CLIPS = 4000
 
 
 def learn_manifold(
-    takes: Sequence[np.ndarray],
+    takes: Iterable[np.ndarray],
     schedule: training.Schedule | None = None,
     seed: int = 0,
     *,
@@ -67,8 +73,9 @@ def learn_manifold(
 
     Parameters
     ----------
-    takes : sequence of (F, 20, 3) arrays of float
-        World positions of the twenty joints in metres, at 30 frames a second.
+    takes : iterable of (F, 20, 3) arrays of float
+        World positions of the twenty joints in metres, at 30 frames a second. The memory of those
+        that an iterator gives, and nothing else refers to, becomes free before the training.
     schedule : Schedule, optional
         The paper's where None.
     window, overlap : int
@@ -124,6 +131,7 @@ def learn_manifold(
     network = with_engine(network, engine)
     if window % network.stride:
         raise ValueError(f"window is {window}, expected a multiple of {network.stride}")
+    count = len(takes)
     manifold, windows = _normalise_takes(network, takes, window, overlap, schedule)
     if testing:
         report = report_with_error(report, manifold, testing)
@@ -132,7 +140,7 @@ def learn_manifold(
         "seed": seed,
         "window": window,
         "overlap": overlap,
-        "takes": len(takes),
+        "takes": count,
         "windows": len(windows),
         "schedule": asdict(schedule),
         "losses": state.losses,
@@ -159,20 +167,58 @@ def require_bodies(takes: Sequence[np.ndarray], name: str) -> None:
 
 def _normalise_takes(
     network: ConvAutoencoder,
-    takes: Sequence[np.ndarray],
+    takes: list[np.ndarray],
     window: int,
     overlap: int,
     schedule: training.Schedule,
-) -> tuple[MotionManifold, np.ndarray]:
-    """A manifold with the normalisation of takes (F, 20, 3), and their normalised windows."""
-    features, lengths = features_on_mean_skeleton(takes, RATE)
-    # The features of a large database are gigabytes: keep them once, as views of one array.
-    frames = np.concatenate(features)
-    features = np.split(frames, np.cumsum([len(take) for take in features])[:-1])
-    mean_pose, scale = _mean_and_scale(frames, features, window, overlap, schedule.rms)
+) -> tuple[MotionManifold, training.Windows]:
+    """A manifold with the normalisation of takes (F, 20, 3), and their normalised windows.
+
+    The takes are removed from the list, so that the memory of those which nothing else refers to
+    becomes free: those of a large database are gigabytes, and so are their features.
+    """
+    windows, is_real, lengths = _cut_takes(takes, window, overlap)
+    mean_pose, scale = _mean_and_scale(windows, is_real, schedule.rms)
     manifold = MotionManifold(network, mean_pose, scale, lengths, RATE, window=window)
     manifold.rescales = schedule.fine_tuning.rescaled
-    return manifold, _windows(manifold, features, overlap)
+    # In the same memory: a number of the network is not longer than one of the features, so no
+    # feature is overwritten before it is normalised.
+    features = windows.frames
+    frames: np.ndarray = np.ndarray(features.shape, network.layers[0].w.dtype, buffer=features)
+    for part in _parts(len(features)):
+        frames[part] = manifold.normalise(features[part])
+    return manifold, training.Windows(frames, windows.starts, window)
+
+
+def _cut_takes(
+    takes: list[np.ndarray], window: int, overlap: int
+) -> tuple[training.Windows, np.ndarray, np.ndarray]:
+    """The windows of the features of takes on their mean bones, a mask of the frames that were not
+    added to short takes (F,), and the mean bone lengths (20,). The list is empty afterwards."""
+    lengths_of_takes = [bone_lengths(take) for take in takes]
+    lengths = np.mean(lengths_of_takes, axis=0)
+    counts = [max(len(take), window) for take in takes]
+    frames = np.empty((sum(counts), FEATURES))
+    is_real = np.zeros(len(frames), bool)
+    starts: list[np.ndarray] = []
+    end = len(frames)
+    # From the last to the first: the system takes back memory at the end of that in use.
+    while takes:
+        take = takes.pop()
+        normalised = change_lengths(take, lengths_of_takes[len(takes)], lengths)
+        features, _ = positions_to_features(normalised, RATE)
+        first = end - counts[len(takes)]
+        is_real[first : first + len(take)] = True
+        frames[first:end] = extend_to_window(features, window)
+        frames[first : first + len(take)] = features  # with the last velocity of a short take
+        starts.append(first + window_starts(end - first, window, overlap))
+        end = first
+    return training.Windows(frames, np.concatenate(starts[::-1]), window), is_real, lengths
+
+
+def _parts(count: int) -> list[slice]:
+    """All frames, `PART_FRAMES` at a time: what is computed of them needs little memory then."""
+    return [slice(first, first + PART_FRAMES) for first in range(0, count, PART_FRAMES)]
 
 
 def report_with_error(
@@ -277,33 +323,32 @@ def mean_and_deviation(clips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return clips.mean(axis=(0, 1)), np.where(deviation < MIN_SPREAD, 1.0, deviation)
 
 
-def _windows(manifold: MotionManifold, features: Sequence[np.ndarray], overlap: int) -> np.ndarray:
-    """The normalised windows of all takes, written take by take into one array."""
-    window = manifold.window
-    counts = [len(cut_windows(take, window, overlap)[0]) for take in features]
-    dtype = manifold.network.layers[0].w.dtype
-    windows = np.empty((sum(counts), window, FEATURES), dtype)
-    for end, count, take in zip(np.cumsum(counts), counts, features, strict=True):
-        windows[end - count : end] = manifold.normalise(cut_windows(take, window, overlap)[0])
-    return windows
-
-
 def _mean_and_scale(
-    frames: np.ndarray, features: Sequence[np.ndarray], window: int, overlap: int, rms: float
+    windows: training.Windows, is_real: np.ndarray, rms: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """The mean pose and the factor of each feature, (63,): one for all positions, one for
     velocity and one for turn, since a turn of a frame is a tenth as large as a position and would
     not be learned."""
-    mean_pose = frames.mean(axis=0)
+    parts = _parts(len(is_real))
+    count = np.count_nonzero(is_real)
+    mean_pose = np.zeros(FEATURES)
+    for part in parts:
+        mean_pose += windows.frames[part][is_real[part]].sum(axis=0)
+    mean_pose /= count
     scale = np.ones(FEATURES)
-    for part in (POSITIONS, VELOCITY, TURN):
-        spread = np.sqrt(np.mean((frames[:, part] - mean_pose[part]) ** 2))
-        if part is POSITIONS and spread < MIN_SPREAD:
+    for columns in (POSITIONS, VELOCITY, TURN):
+        mean = mean_pose[columns]
+        total = 0.0
+        for part in parts:
+            total += np.sum((windows.frames[part, columns][is_real[part]] - mean) ** 2)
+        spread = np.sqrt(total / (count * len(mean)))
+        if columns is POSITIONS and spread < MIN_SPREAD:
             raise ValueError("every frame of the takes is the same: there is nothing to learn")
-        scale[part] = rms / max(spread, MIN_SPREAD)
+        scale[columns] = rms / max(spread, MIN_SPREAD)
+    stands = is_real & ~np.append(is_real[1:], True)  # from the last frame of a short take on
+    windows.frames[stands, VELOCITY.start :] = 0.0
     largest = 0.0
-    for take in features:
-        windows, _ = cut_windows(take, window, overlap)
-        squares = np.mean(((windows - mean_pose) * scale) ** 2, axis=(1, 2))
-        largest = max(largest, float(np.sqrt(squares.max())))
+    for first in range(0, len(windows), PART_WINDOWS):
+        normalised = (windows[first : first + PART_WINDOWS] - mean_pose) * scale
+        largest = max(largest, float(np.sqrt(np.mean(normalised**2, axis=(1, 2)).max())))
     return mean_pose, scale * min(1.0, MAX_WINDOW_RMS * rms / largest)

@@ -45,19 +45,34 @@ def cut_windows(
     >>> windows.shape, int(real.sum())
     ((1, 160, 63), 100)
     """
-    if not 0 <= overlap < length:
-        problem = f"overlap is {overlap}, expected 0 to {length - 1} for windows of {length}"
-        raise ValueError(problem)
+    frames = len(features)
+    features = extend_to_window(features, length)
+    starts = window_starts(len(features), length, overlap)
+    windows = np.stack([features[start : start + length] for start in starts])
+    real = starts[:, None] + np.arange(length) < frames
+    return windows, real
+
+
+def extend_to_window(features: np.ndarray, length: int) -> np.ndarray:
+    """Features (F, 63), of which a window of `length` frames can be cut: where they have fewer, the
+    last pose is repeated, and velocity and turn are 0 from its last frame on."""
     frames = len(features)
     if frames == 0:
         raise ValueError("features have no frames to cut windows from")
-    if frames < length:
-        held = np.repeat(features[-1:], length - frames, axis=0)
-        window = np.concatenate([features, held])
-        window[frames - 1 :, VELOCITY.start :] = 0.0
-        return window[None], (np.arange(length) < frames)[None]
+    if frames >= length:
+        return features
+    held = np.repeat(features[-1:], length - frames, axis=0)
+    extended = np.concatenate([features, held])
+    extended[frames - 1 :, VELOCITY.start :] = 0.0
+    return extended
+
+
+def window_starts(frames: int, length: int, overlap: int) -> np.ndarray:
+    """The first frame of each window of `cut_windows` of at least `length` frames."""
+    if not 0 <= overlap < length:
+        problem = f"overlap is {overlap}, expected 0 to {length - 1} for windows of {length}"
+        raise ValueError(problem)
     starts = list(range(0, frames - length + 1, length - overlap))
     if starts[-1] + length < frames:
         starts.append(frames - length)
-    windows = np.stack([features[start : start + length] for start in starts])
-    return windows, np.ones(windows.shape[:2], dtype=bool)
+    return np.array(starts)

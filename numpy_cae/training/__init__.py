@@ -21,6 +21,7 @@ from numpy_cae.training.schedule import (
 )
 from numpy_cae.training.sequential import train_sequential, unit_directions
 from numpy_cae.training.state import TrainingState
+from numpy_cae.training.windows import Windows
 
 __all__ = [
     "RECIPES",
@@ -34,6 +35,7 @@ __all__ = [
     "SequenceSchedule",
     "Stage",
     "TrainingState",
+    "Windows",
     "clip_norm",
     "recipe",
     "train_autoencoder",

@@ -18,11 +18,12 @@ from numpy_cae.training.divergence import require_finite
 from numpy_cae.training.optimisers import Adam, Sgd, clip_norm, make_optimiser
 from numpy_cae.training.schedule import Schedule, Stage, rate_at
 from numpy_cae.training.state import TrainingState
+from numpy_cae.training.windows import Windows
 
 
 def train_autoencoder(
     model: ConvAutoencoder,
-    windows: np.ndarray,
+    windows: np.ndarray | Windows,
     schedule: Schedule | None = None,
     rng: np.random.Generator | int = 0,
     report: Callable[[TrainingState], None] | None = None,
@@ -37,7 +38,7 @@ def train_autoencoder(
     ----------
     model : ConvAutoencoder
         Or what `fast.accelerate` makes of it, which trains faster.
-    windows : (N, T, C) array of float
+    windows : (N, T, C) array of float, or Windows
         Normalised motion in the dtype of the model; T is a multiple of `model.stride`.
     schedule : Schedule, optional
         The paper's by default; see `recipe`.
@@ -155,7 +156,9 @@ def parameters_of(part: Part, model: ConvAutoencoder) -> dict[str, np.ndarray]:
     return {"w": layer.w, "b": layer.b}
 
 
-def input_of(part: Part, model: ConvAutoencoder, windows: np.ndarray) -> np.ndarray:
+def input_of(
+    part: Part, model: ConvAutoencoder, windows: np.ndarray | Windows
+) -> np.ndarray | Windows:
     """Clean windows or, for a layer but the lowest, what the layers below it make of them.
 
     They encode 64 windows at a time to save memory.

@@ -12,13 +12,15 @@ examples, of which the first makes synthetic motions:
 
 import argparse
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from numpy_cae import training, viz
 from numpy_cae.atomic_write import require_free
@@ -130,9 +132,11 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Traine
     files = {folder: find_motion_files(folder) for folder in args.folders}
     paths = list(chain.from_iterable(files.values()))
     takes, testing = split_for_test(read_bodies(args, paths), args.test, RATE)
-    learned = takes
+    learned: Iterable[np.ndarray] = takes
     if args.recipe == "starter":
         learned = [*takes, *(mirror(take) for take in takes)]
+    elif not args.test:  # nothing is measured on them later
+        learned = _take_out(takes)
     settings |= {"testing": testing} | chosen_options(args, *CONVOLUTIONAL)
     manifold = learn_manifold(learned, schedule_of(args), **settings)
     manifold.settings["folders"] = [
@@ -144,6 +148,12 @@ def _learn_windows(args: argparse.Namespace, settings: dict[str, Any]) -> Traine
         return f"{compare_repairs(manifold, takes, testing).text()}\n\n{NOTE}"
 
     return TrainedModel(manifold, source, measure)
+
+
+def _take_out(takes: list[np.ndarray]) -> Iterator[np.ndarray]:
+    """The takes, which the list then no longer holds in memory."""
+    while takes:
+        yield takes.pop(0)
 
 
 def _count_files(folder: Path, paths: list[Path], test: list[str]) -> dict[str, Any]:
