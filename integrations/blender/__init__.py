@@ -28,6 +28,7 @@ from bpy.props import (
 from mathutils import Matrix, Quaternion
 
 from numpy_cae.cleanup import Finding, repair_motion
+from numpy_cae.cleanup.finding import KEPT_REASON, LEFT_REASON
 from numpy_cae.cleanup.kinds import BODY, MARKED, T_POSE
 from numpy_cae.cleanup.mask_file import require_movable
 from numpy_cae.cleanup.result import weaken
@@ -42,6 +43,7 @@ from numpy_cae.mocap.armatures import (
     choose_keys,
     choose_times,
     find_changes,
+    find_frames,
     order_bones,
     read_rotations,
     to_motion,
@@ -58,6 +60,13 @@ ROTATIONS = {QUATERNION: ("rotation_quaternion", 4), AXIS_ANGLE: ("rotation_axis
 """The property with the rotation of a bone or an object, and its number of channels, by the
 rotation mode; `EULER` for all others."""
 EULER = ("rotation_euler", 3)
+STATUS_WORDS = {
+    "repaired": "",
+    "proposed": "proposed: not certain enough",
+    "left": f"left: {LEFT_REASON}",
+    "kept": f"kept: {KEPT_REASON}",
+}
+"""Why a finding is not ticked, by its status."""
 
 
 class Reading(NamedTuple):
@@ -81,16 +90,16 @@ class Reading(NamedTuple):
     channels: list[np.ndarray]
 
 
-def require_action(thing):
+def require_action(obj):
     """The action of an object and its slot; ValueError if there is none that can be changed."""
-    data = thing.animation_data
+    data = obj.animation_data
     if data is None or data.action is None:
-        raise ValueError(f"{thing.name} has no action; choose one in the Action editor")
+        raise ValueError(f"{obj.name} has no action; choose one in the Action editor")
     action = data.action
     if action.library is not None:
         raise ValueError(f"the action {action.name} is linked from another file")
     if data.action_slot is None:
-        raise ValueError(f"the action {action.name} has no slot for {thing.name}; choose one")
+        raise ValueError(f"the action {action.name} has no slot for {obj.name}; choose one")
     return action, data.action_slot
 
 
@@ -139,15 +148,15 @@ def path_of(bone, name):
     return f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"].{name}'
 
 
-def rotation_of(thing):
+def rotation_of(obj):
     """The property with the rotation of a bone or an object, and its number of channels."""
-    return ROTATIONS.get(thing.rotation_mode, EULER)
+    return ROTATIONS.get(obj.rotation_mode, EULER)
 
 
-def require_plain(thing, bones, curves):
+def require_plain(obj, bones, curves):
     """Raise ValueError if the pose of some bones is not that of their keys alone."""
     advice = "bake the action first (Pose, Animation, Bake Action)"
-    drivers = [driver.data_path for driver in thing.animation_data.drivers]
+    drivers = [driver.data_path for driver in obj.animation_data.drivers]
     for bone in bones:
         for constraint in bone.constraints:
             if not constraint.mute and constraint.influence > 0:
@@ -173,17 +182,17 @@ def require_plain(thing, bones, curves):
             raise ValueError(f"{bone.name} is scaled; remove its scale (Alt S) and the keys of it")
 
 
-def read_places(thing, curves, times):
+def read_places(obj, curves, times):
     """The matrix of the world of an object at some times, (F, 4, 4). A parent is taken to stand
     still."""
-    name, width = rotation_of(thing)
+    name, width = rotation_of(obj)
     if not any((path, 0) in curves for path in ("location", "scale", name)):
-        return np.tile(np.array(thing.matrix_world), (len(times), 1, 1))
-    of_parent = np.array(thing.matrix_world @ thing.matrix_basis.inverted())
-    locations = evaluate_channels(curves, "location", thing.location, times)
-    scales = evaluate_channels(curves, "scale", thing.scale, times)
-    now = getattr(thing, name)[:width]
-    turns = read_rotations(thing.rotation_mode, evaluate_channels(curves, name, now, times))
+        return np.tile(np.array(obj.matrix_world), (len(times), 1, 1))
+    of_parent = np.array(obj.matrix_world @ obj.matrix_basis.inverted())
+    locations = evaluate_channels(curves, "location", obj.location, times)
+    scales = evaluate_channels(curves, "scale", obj.scale, times)
+    now = getattr(obj, name)[:width]
+    turns = read_rotations(obj.rotation_mode, evaluate_channels(curves, name, now, times))
     places = []
     for location, turn, scale in zip(locations, turns, scales, strict=True):
         matrix = Matrix.LocRotScale(location, quaternion_of(turn), scale)
@@ -197,13 +206,13 @@ def quaternion_of(turn):
     return Quaternion((w, x, y, z))
 
 
-def read_action(scene, thing, all_curves):
+def read_action(scene, obj, all_curves):
     """The motion of an armature by the curves of its action."""
     curves = {(curve.data_path, curve.array_index): curve for curve in all_curves}
-    parents = {bone.name: bone.parent and bone.parent.name for bone in thing.data.bones}
+    parents = {bone.name: bone.parent and bone.parent.name for bone in obj.data.bones}
     names = order_bones(parents)
-    bones = [thing.pose.bones[name] for name in names]
-    require_plain(thing, bones, curves)
+    bones = [obj.pose.bones[name] for name in names]
+    require_plain(obj, bones, curves)
     keys = []
     for bone in bones:
         for name in ("location", rotation_of(bone)[0]):
@@ -225,7 +234,7 @@ def read_action(scene, thing, all_curves):
         if not bone.bone.use_connect:
             path = path_of(bone, "location")
             locations[:, index] = evaluate_channels(curves, path, bone.location, times)
-    places = read_places(thing, curves, times)
+    places = read_places(obj, curves, times)
     rest = [places[0] @ np.array(bone.bone.matrix_local) for bone in bones]
     tails = [places[0] @ np.array([*bone.bone.tail_local, 1.0]) for bone in bones]
     indices = [names.index(parents[name]) if parents[name] else -1 for name in names]
@@ -237,14 +246,14 @@ def read_action(scene, thing, all_curves):
     return Reading(armature, poses, motion, times, channels)
 
 
-def write_motion(thing, curves, reading, motion):
+def write_motion(obj, curves, reading, motion):
     """Key what differs from what was read, and return the number of bones and of frames."""
     poses = to_poses(reading.armature, motion, reading.poses.places)
     rotated, moved = find_changes(reading.motion, motion)
     bones = set()
     frames = np.zeros(len(reading.times), bool)
     for index, name in enumerate(reading.armature.names):
-        bone = thing.pose.bones[name]
+        bone = obj.pose.bones[name]
         is_moved = moved[:, index] & (not bone.bone.use_connect)
         if rotated[:, index].any():
             values = reading.channels[index].copy()
@@ -277,46 +286,39 @@ def write_channels(curves, path, times, values, changed):
 
 def write_curve(curve, times, values, changed):
     """Key a curve in the frames that change, and where it would else change beside them."""
-    points = curve.keyframe_points
-    chosen = choose_keys(key_array(curve, "co", 2)[:, 0].astype(np.float64), times, changed)
     remove_keys_between(curve, times, changed)
     keys = key_array(curve, "co", 2)
-    left = key_array(curve, "handle_left", 2)
-    right = key_array(curve, "handle_right", 2)
-    new = []
+    key_times = keys[:, 0].astype(np.float64)
+    chosen = choose_keys(key_times, times, changed)
+    frames = find_frames(key_times, times)
+    changes = np.where((frames >= 0) & chosen[frames], values[frames] - keys[:, 1], 0.0)
+    for name in ("co", "handle_left", "handle_right"):
+        points = key_array(curve, name, 2)
+        points[:, 1] += changes
+        curve.keyframe_points.foreach_set(name, points.ravel())
+    chosen[frames[frames >= 0]] = False
+    if chosen.any():
+        hold_handles(curve, times, changed)
     for frame in np.flatnonzero(chosen):
-        at = np.flatnonzero(np.abs(keys[:, 0] - times[frame]) <= LEAST_DIFFERENCE)
-        if len(at):
-            change = values[frame] - keys[at[0], 1]
-            for array in (keys, left, right):
-                array[at[0], 1] += change
-        else:
-            new.append(frame)
-    points.foreach_set("co", keys.ravel())
-    points.foreach_set("handle_left", left.ravel())
-    points.foreach_set("handle_right", right.ravel())
-    if new:
-        hold_handles(curve, times, chosen)
-    for frame in new:
-        points.insert(times[frame], values[frame], options={"FAST"})
+        curve.keyframe_points.insert(times[frame], values[frame], options={"FAST"})
     curve.update()
 
 
 def remove_keys_between(curve, times, changed):
     """Remove the keys between two frames one of which changes: they have the values of before."""
-    keys = key_array(curve, "co", 2)[:, 0]
+    keys = key_array(curve, "co", 2)[:, 0].astype(np.float64)
     after = np.searchsorted(times, keys)
-    distance = np.abs(keys[:, None] - times[None]).min(axis=1) if len(keys) else keys
-    for index in np.flatnonzero(distance > LEAST_DIFFERENCE)[::-1]:
-        beside = changed[max(after[index] - 1, 0) : after[index] + 1]
-        if 0 < after[index] < len(times) and beside.any():
+    is_between = (find_frames(keys, times) < 0) & (after > 0) & (after < len(times))
+    for index in np.flatnonzero(is_between)[::-1]:
+        if changed[after[index] - 1] or changed[after[index]]:
             curve.keyframe_points.remove(curve.keyframe_points[index], fast=True)
 
 
-def hold_handles(curve, times, chosen):
-    """Fix the handles of the keys beside new ones, so that the curve beyond them stays."""
+def hold_handles(curve, times, changed):
+    """Fix the handles of the keys before and after the frames that change, so that the curve beyond
+    these keys stays."""
     keys = key_array(curve, "co", 2)[:, 0]
-    for first, end in runs(chosen):
+    for first, end in runs(changed):
         before = np.flatnonzero(keys < times[first] - LEAST_DIFFERENCE)[-1:]
         after = np.flatnonzero(keys > times[end - 1] + LEAST_DIFFERENCE)[:1]
         for index in (*before, *after):
@@ -371,10 +373,10 @@ def fingerprint_of(curves):
     return digest.hexdigest()
 
 
-def begin_list(thing):
+def begin_list(obj):
     """Keep a copy of the action, and forget the list of another state of it."""
-    action, slot = require_action(thing)
-    settings = thing.numpy_cae
+    action, slot = require_action(obj)
+    settings = obj.numpy_cae
     end_list(settings)
     settings.original = action.copy()
     settings.original.name = action.name + COPY_SUFFIX
@@ -392,12 +394,12 @@ def end_list(settings):
         bpy.data.actions.remove(original)
 
 
-def is_current(thing):
+def is_current(obj):
     """Whether there is a list for the action as it is."""
-    settings = thing.numpy_cae
+    settings = obj.numpy_cae
     if settings.original is None:
         return False
-    action, slot = require_action(thing)
+    action, slot = require_action(obj)
     return settings.fingerprint == fingerprint_of(curves_of(action, slot))
 
 
@@ -408,10 +410,10 @@ def chosen_frames(scene):
     return scene.frame_preview_start, scene.frame_preview_end
 
 
-def selected_bones(thing):
+def selected_bones(obj):
     """The names of the selected bones."""
     names = []
-    for bone in thing.pose.bones:
+    for bone in obj.pose.bones:
         is_selected = bone.select if hasattr(bone, "select") else bone.bone.select
         if is_selected:
             names.append(bone.name)
@@ -430,6 +432,7 @@ def list_finding(settings, reading, finding):
     row.kind = finding.kind
     row.moved = finding.movement_in_words()
     row.evidence = finding.evidence
+    row.status = STATUS_WORDS[finding.status]
     row.confidence = finding.confidence
     row.data = json.dumps(finding.to_json())
 
@@ -442,14 +445,14 @@ def bone_of(motion, joint):
     return motion.skeleton.names[rig_of(motion).joints[column]]
 
 
-def find_damage(context, thing, report_progress=None):
+def find_damage(context, obj, report_progress=None):
     """List what is damaged in the action of an armature, and return the number of findings."""
-    action, slot = require_action(thing)
-    reading = read_action(context.scene, thing, curves_of(action, slot))
+    action, slot = require_action(obj)
+    reading = read_action(context.scene, obj, curves_of(action, slot))
     repaired = repair_motion(reading.motion, starter(), progress=report_progress)
-    begin_list(thing)
-    settings = thing.numpy_cae
-    selected = selected_bones(thing)
+    begin_list(obj)
+    settings = obj.numpy_cae
+    selected = selected_bones(obj)
     frames = chosen_frames(context.scene)
     for finding in repaired.listed():
         first, last = reading.times[list(finding.frames)]
@@ -458,7 +461,10 @@ def find_damage(context, thing, report_progress=None):
         if settings.only_selected and bone_of(reading.motion, finding.joint) not in selected:
             continue
         list_finding(settings, reading, finding)
-    notes = [note.text for note in reading.motion.notes]
+    notes = []
+    for note in reading.motion.notes:
+        if note.kind != "unit" or note.in_doubt:
+            notes.append(note.text)
     if repaired.cuts:
         cut_times = [round(float(reading.times[cut])) for cut in repaired.cuts]
         notes.append(cuts_in_words(cut_times))
@@ -468,16 +474,16 @@ def find_damage(context, thing, report_progress=None):
     return len(settings.findings)
 
 
-def mark_bones(context, thing):
+def mark_bones(context, obj):
     """List the selected bones in the preview range, to be filled in; return their number."""
     frames = chosen_frames(context.scene)
     if frames is None:
         raise ValueError("choose the frames by a preview range (P in the timeline)")
-    names = selected_bones(thing)
+    names = selected_bones(obj)
     if not names:
         raise ValueError("select the bones in pose mode")
-    action, slot = require_action(thing)
-    reading = read_action(context.scene, thing, curves_of(action, slot))
+    action, slot = require_action(obj)
+    reading = read_action(context.scene, obj, curves_of(action, slot))
     inside = np.flatnonzero((reading.times >= frames[0]) & (reading.times <= frames[1]))
     if not len(inside):
         raise ValueError("the bones have no keys in the preview range")
@@ -488,23 +494,23 @@ def mark_bones(context, thing):
         joint = JOINTS[joint_index(name, reading.motion)]
         findings.append(Finding(joint, (int(inside[0]), int(inside[-1])), MARKED.name))
     require_movable(findings, reading.motion)
-    if not is_current(thing):
-        begin_list(thing)
+    if not is_current(obj):
+        begin_list(obj)
     for finding in findings:
-        list_finding(thing.numpy_cae, reading, finding)
+        list_finding(obj.numpy_cae, reading, finding)
     return len(findings)
 
 
-def apply_findings(context, thing, report_progress=None):
+def apply_findings(context, obj, report_progress=None):
     """Write the repair of what is ticked into the action; return the number of bones and frames
     that differ from the action as it was."""
-    action, slot = require_action(thing)
-    settings = thing.numpy_cae
-    if not is_current(thing):
+    action, slot = require_action(obj)
+    settings = obj.numpy_cae
+    if not is_current(obj):
         raise ValueError("the action was changed since the search; search again")
     curves = curves_of(action, slot)
     originals = curves_of_copy(settings, slot)
-    reading = read_action(context.scene, thing, originals)
+    reading = read_action(context.scene, obj, originals)
     accepted = []
     for row in settings.findings:
         finding = Finding.from_json(json.loads(row.data))
@@ -517,7 +523,7 @@ def apply_findings(context, thing, report_progress=None):
         repaired = repair_motion(motion, starter(), findings=accepted, progress=report_progress)
         motion = weaken(repaired, settings.strength).motion
     restore_curves(curves, originals)
-    changed = write_motion(thing, curves, reading, motion)
+    changed = write_motion(obj, curves, reading, motion)
     settings.fingerprint = fingerprint_of(curves)
     return changed
 
@@ -545,6 +551,7 @@ class FindingRow(bpy.types.PropertyGroup):
     kind: StringProperty()
     moved: StringProperty()
     evidence: StringProperty()
+    status: StringProperty()
     confidence: FloatProperty()
     data: StringProperty()
 
@@ -577,8 +584,8 @@ class ArmatureOperator:
 
     @classmethod
     def poll(cls, context):
-        thing = context.object
-        return thing is not None and thing.type == "ARMATURE"
+        obj = context.object
+        return obj is not None and obj.type == "ARMATURE"
 
     def execute(self, context):
         manager = context.window_manager
@@ -605,8 +612,8 @@ class FindDamage(ArmatureOperator, bpy.types.Operator):
     bl_idname = "numpy_cae.find"
     bl_label = "Find Damage"
 
-    def work(self, context, thing, progress):
-        return f"{count(find_damage(context, thing, progress), 'finding')}"
+    def work(self, context, obj, progress):
+        return f"{count(find_damage(context, obj, progress), 'finding')}"
 
 
 class MarkBones(ArmatureOperator, bpy.types.Operator):
@@ -615,8 +622,8 @@ class MarkBones(ArmatureOperator, bpy.types.Operator):
     bl_idname = "numpy_cae.mark"
     bl_label = "Mark Bones"
 
-    def work(self, context, thing, progress):
-        return f"{count(mark_bones(context, thing), 'bone')} marked"
+    def work(self, context, obj, progress):
+        return f"{count(mark_bones(context, obj), 'bone')} marked"
 
 
 class ApplyFindings(ArmatureOperator, bpy.types.Operator):
@@ -625,8 +632,8 @@ class ApplyFindings(ArmatureOperator, bpy.types.Operator):
     bl_idname = "numpy_cae.apply"
     bl_label = "Apply"
 
-    def work(self, context, thing, progress):
-        bones, frames = apply_findings(context, thing, progress)
+    def work(self, context, obj, progress):
+        bones, frames = apply_findings(context, obj, progress)
         return f"{count(bones, 'bone')} changed in {count(frames, 'frame')}"
 
 
@@ -636,8 +643,8 @@ class EndRepair(ArmatureOperator, bpy.types.Operator):
     bl_idname = "numpy_cae.end"
     bl_label = "Done"
 
-    def work(self, context, thing, progress):
-        end_list(thing.numpy_cae)
+    def work(self, context, obj, progress):
+        end_list(obj.numpy_cae)
         return "the list is empty"
 
 
@@ -657,7 +664,7 @@ class FindingList(bpy.types.UIList):
 
 def draw_finding(layout, row):
     """What a row of the list has no room for."""
-    for text in (row.evidence, row.moved, f"confidence {row.confidence:.2f}"):
+    for text in (row.evidence, row.moved, f"confidence {row.confidence:.2f}", row.status):
         if text:
             layout.label(text=text)
 

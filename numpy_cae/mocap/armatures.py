@@ -376,6 +376,27 @@ def choose_keys(keys: np.ndarray, times: np.ndarray, changed: np.ndarray) -> np.
     return chosen
 
 
+def find_frames(keys: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The frame at which each key of a curve is, (K,) int; -1 for a key that is between two.
+
+    Parameters
+    ----------
+    keys : (K,) array of float64
+        The times of the keys.
+    times : (F,) array of float64
+        The times of the frames, ascending.
+
+    Examples
+    --------
+    >>> find_frames(np.array([2.0, 2.4, 3.0001]), np.array([1.0, 2.0, 3.0]))
+    array([ 1, -1,  2])
+    """
+    after = np.searchsorted(times, keys).clip(1, len(times) - 1)
+    is_nearer = keys - times[after - 1] < times[after] - keys
+    frames = np.where(is_nearer, after - 1, after)
+    return np.where(np.abs(times[frames] - keys) <= LEAST_DIFFERENCE, frames, -1)
+
+
 def find_changes(before: Motion, after: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Where two motions of a rig have other rotations, and other translations, (frames, J) bool."""
     rotations = np.any(before.rotations != after.rotations, axis=-1)

@@ -21,7 +21,7 @@ pytestmark = [
 ]
 
 ADD_ON = Path(__file__).parents[2] / "integrations" / "blender" / "__init__.py"
-FORMATS = ["bvh", "fbx", "glb"]
+FORMATS = ["bvh", "fbx", "fbx by the new importer", "glb"]
 RATE = 30.0
 SPIKE = slice(50, 53)
 """The frames of the motion in which the left forearm is turned."""
@@ -66,28 +66,28 @@ def imported_walk(folder, damaged=True, **options):
     return import_bvh(path, **options)
 
 
-def add_skin(thing):
+def add_skin(obj):
     """A mesh that the armature moves: without one, glTF has no bones."""
     mesh = bpy.data.meshes.new("skin")
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
     skin = bpy.data.objects.new("skin", mesh)
     bpy.context.collection.objects.link(skin)
-    skin.parent = thing
-    for bone in thing.data.bones:
+    skin.parent = obj
+    for bone in obj.data.bones:
         skin.vertex_groups.new(name=bone.name).add([0, 1, 2], 1.0, "REPLACE")
-    skin.modifiers.new("Armature", "ARMATURE").object = thing
+    skin.modifiers.new("Armature", "ARMATURE").object = obj
 
 
-def through_file(thing, form, folder):
+def through_file(obj, form, folder):
     """The armature written by Blender to a file of a format, and read from it into an empty
     scene."""
-    path = str(folder / f"written.{form}")
-    first, last = thing.animation_data.action.frame_range
+    path = str(folder / f"written.{form[:3]}")
+    first, last = obj.animation_data.action.frame_range
     if form == "bvh":
         bpy.ops.export_anim.bvh(
             filepath=path, frame_start=round(first), frame_end=round(last), root_transform_only=True
         )
-    elif form == "fbx":
+    elif form.startswith("fbx"):
         bpy.ops.export_scene.fbx(
             filepath=path,
             object_types={"ARMATURE"},
@@ -95,51 +95,53 @@ def through_file(thing, form, folder):
             bake_anim_simplify_factor=0.0,
         )
     else:
-        add_skin(thing)
+        add_skin(obj)
         bpy.ops.export_scene.gltf(filepath=path, export_optimize_animation_size=False)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if form == "bvh":
         return activate(import_bvh(path, axis_forward="Y", axis_up="Z"))  # as Blender writes it
     if form == "fbx":
         bpy.ops.import_scene.fbx(filepath=path)
+    elif form.startswith("fbx"):
+        bpy.ops.wm.fbx_import(filepath=path)
     else:
         bpy.ops.import_scene.gltf(filepath=path)
     return activate(next(x for x in bpy.data.objects if x.type == "ARMATURE"))
 
 
-def activate(thing):
+def activate(obj):
     """The object, active and in pose mode with no bone selected."""
-    bpy.context.view_layer.objects.active = thing
-    select(thing, [])
-    return thing
+    bpy.context.view_layer.objects.active = obj
+    select(obj, [])
+    return obj
 
 
-def select(thing, names):
+def select(obj, names):
     """Select some bones and no others."""
-    for bone in thing.pose.bones:
+    for bone in obj.pose.bones:
         holder = bone if hasattr(bone, "select") else bone.bone
         holder.select = bone.name in names
 
 
-def shown_heads(thing, times):
+def shown_heads(obj, times):
     """Where Blender shows each bone to begin, by name, (F, 3) in the world."""
-    heads = {bone.name: [] for bone in thing.pose.bones}
+    heads = {bone.name: [] for bone in obj.pose.bones}
     for time in times:
         frame = int(np.floor(time))
         bpy.context.scene.frame_set(frame, subframe=float(time - frame))
-        for bone in thing.pose.bones:
-            heads[bone.name].append(np.array(thing.matrix_world @ bone.head))
+        for bone in obj.pose.bones:
+            heads[bone.name].append(np.array(obj.matrix_world @ bone.head))
     return {name: np.array(places) for name, places in heads.items()}
 
 
-def read(add_on, thing):
-    action, slot = add_on.require_action(thing)
-    return add_on.read_action(bpy.context.scene, thing, add_on.curves_of(action, slot))
+def read(add_on, obj):
+    action, slot = add_on.require_action(obj)
+    return add_on.read_action(bpy.context.scene, obj, add_on.curves_of(action, slot))
 
 
-def all_keys(add_on, thing):
+def all_keys(add_on, obj):
     """The times and values of the keys of each curve."""
-    action, slot = add_on.require_action(thing)
+    action, slot = add_on.require_action(obj)
     keys = {}
     for curve in add_on.curves_of(action, slot):
         keys[curve.data_path, curve.array_index] = add_on.key_array(curve, "co", 2)
@@ -162,9 +164,9 @@ def changed_curves(before, after):
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_the_motion_is_the_one_that_blender_shows(add_on, tmp_path, form):
-    thing = through_file(imported_walk(tmp_path), form, tmp_path)
-    reading = read(add_on, thing)
-    shown = shown_heads(thing, reading.times)
+    obj = through_file(imported_walk(tmp_path), form, tmp_path)
+    reading = read(add_on, obj)
+    shown = shown_heads(obj, reading.times)
     motion = reading.motion
     positions = motion.positions() + [0.0, motion.floor, 0.0]
     assert motion.up == "y"
@@ -185,14 +187,14 @@ def test_the_rate_is_that_of_the_keys(add_on, tmp_path, form):
 def test_a_spike_is_repaired_and_no_other_frame_changes(add_on, tmp_path, form):
     truth = read(add_on, through_file(imported_walk(tmp_path, False), form, tmp_path))
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    thing = through_file(imported_walk(tmp_path), form, tmp_path)
-    before = read(add_on, thing)
-    shown_before = shown_heads(thing, before.times)
+    obj = through_file(imported_walk(tmp_path), form, tmp_path)
+    before = read(add_on, obj)
+    shown_before = shown_heads(obj, before.times)
     bpy.ops.numpy_cae.find()
-    rows = [(row.joint, row.accept) for row in thing.numpy_cae.findings]
+    rows = [(row.joint, row.accept) for row in obj.numpy_cae.findings]
     assert rows == [("left_elbow", True)]
     bpy.ops.numpy_cae.apply()
-    shown = shown_heads(thing, before.times)
+    shown = shown_heads(obj, before.times)
     outside = np.ones(len(before.times), bool)
     outside[SPIKE] = False
     for name, places in shown.items():
@@ -200,29 +202,27 @@ def test_a_spike_is_repaired_and_no_other_frame_changes(add_on, tmp_path, form):
     wrist = [truth.armature.names.index("lwrist")]
     expected = truth.motion.positions(wrist)[SPIKE]
     damaged = np.linalg.norm(before.motion.positions(wrist)[SPIKE] - expected, axis=-1)
-    repaired = np.linalg.norm(
-        read(add_on, thing).motion.positions(wrist)[SPIKE] - expected, axis=-1
-    )
+    repaired = np.linalg.norm(read(add_on, obj).motion.positions(wrist)[SPIKE] - expected, axis=-1)
     assert damaged.min() > 0.1
     assert repaired.max() < 0.05
 
 
 @pytest.mark.parametrize("mode", ["NATIVE", "QUATERNION", "XYZ", "YXZ"])
 def test_only_keys_of_the_bone_and_the_frames_change(add_on, tmp_path, mode):
-    thing = imported_walk(tmp_path, rotate_mode=mode)
-    before = all_keys(add_on, thing)
+    obj = imported_walk(tmp_path, rotate_mode=mode)
+    before = all_keys(add_on, obj)
     bpy.ops.numpy_cae.find()
     bpy.ops.numpy_cae.apply()
-    changes = changed_curves(before, all_keys(add_on, thing))
+    changes = changed_curves(before, all_keys(add_on, obj))
     assert {path.split('"')[1] for path, _ in changes} == {"lradius"}
     frames = {frame for keys in changes.values() for frame in keys}
     assert frames == {51.0, 52.0, 53.0}  # Blender's first frame is 1
 
 
 def test_axis_and_angle_are_written(add_on, tmp_path):
-    thing = imported_walk(tmp_path, rotate_mode="QUATERNION")
-    bone = thing.pose.bones["lradius"]
-    reading = read(add_on, thing)
+    obj = imported_walk(tmp_path, rotate_mode="QUATERNION")
+    bone = obj.pose.bones["lradius"]
+    reading = read(add_on, obj)
     index = reading.armature.names.index("lradius")
     bone.rotation_mode = "AXIS_ANGLE"
     turns = reading.poses.rotations[:, index]
@@ -233,29 +233,29 @@ def test_axis_and_angle_are_written(add_on, tmp_path):
         bone.keyframe_insert("rotation_axis_angle", frame=time)
     bpy.ops.numpy_cae.find()
     bpy.ops.numpy_cae.apply()
-    same = np.abs(np.sum(read(add_on, thing).poses.rotations[:, index] * turns, axis=1))
+    same = np.abs(np.sum(read(add_on, obj).poses.rotations[:, index] * turns, axis=1))
     assert np.flatnonzero(same < 0.999).tolist() == [50, 51, 52]
 
 
 def test_what_is_not_ticked_stays(add_on, tmp_path):
-    thing = imported_walk(tmp_path)
-    before = all_keys(add_on, thing)
+    obj = imported_walk(tmp_path)
+    before = all_keys(add_on, obj)
     bpy.ops.numpy_cae.find()
     bpy.ops.numpy_cae.apply()
-    thing.numpy_cae.findings[0].accept = False
+    obj.numpy_cae.findings[0].accept = False
     bpy.ops.numpy_cae.apply()
-    assert changed_curves(before, all_keys(add_on, thing)) == {}
+    assert changed_curves(before, all_keys(add_on, obj)) == {}
 
 
 def test_half_the_strength_goes_half_the_way(add_on, tmp_path):
-    thing = imported_walk(tmp_path)
-    index = read(add_on, thing).armature.names.index("lradius")
+    obj = imported_walk(tmp_path)
+    index = read(add_on, obj).armature.names.index("lradius")
     bpy.ops.numpy_cae.find()
     turns = []
     for strength in (0.0, 1.0, 0.5):
-        thing.numpy_cae.strength = strength
+        obj.numpy_cae.strength = strength
         bpy.ops.numpy_cae.apply()
-        turns.append(read(add_on, thing).poses.rotations[51, index])
+        turns.append(read(add_on, obj).poses.rotations[51, index])
     start, end, middle = turns
     assert abs(start @ end) < 0.9
     mean = start + np.sign(start @ end) * end
@@ -263,19 +263,19 @@ def test_half_the_strength_goes_half_the_way(add_on, tmp_path):
 
 
 def test_undo_takes_back_the_keys_and_the_list(add_on, tmp_path):
-    thing = imported_walk(tmp_path)
-    name = thing.name
+    obj = imported_walk(tmp_path)
+    name = obj.name
     bpy.ops.ed.undo_push(message="imported")
-    before = all_keys(add_on, thing)
+    before = all_keys(add_on, obj)
     bpy.ops.numpy_cae.find()
     bpy.ops.ed.undo_push(message="found")
     bpy.ops.numpy_cae.apply()
     bpy.ops.ed.undo_push(message="applied")
     assert changed_curves(before, all_keys(add_on, bpy.data.objects[name]))
     bpy.ops.ed.undo()
-    thing = bpy.data.objects[name]
-    assert changed_curves(before, all_keys(add_on, thing)) == {}
-    assert len(thing.numpy_cae.findings) == 1
+    obj = bpy.data.objects[name]
+    assert changed_curves(before, all_keys(add_on, obj)) == {}
+    assert len(obj.numpy_cae.findings) == 1
     bpy.ops.ed.undo()
     assert len(bpy.data.objects[name].numpy_cae.findings) == 0
 
@@ -288,13 +288,13 @@ def set_range(first, last):
 
 
 def test_marked_bones_are_filled_in_the_preview_range(add_on, tmp_path):
-    thing = imported_walk(tmp_path, damaged=False)
-    before = all_keys(add_on, thing)
-    select(thing, ["lwrist"])
+    obj = imported_walk(tmp_path, damaged=False)
+    before = all_keys(add_on, obj)
+    select(obj, ["lwrist"])
     set_range(40, 70)
     bpy.ops.numpy_cae.mark()
     bpy.ops.numpy_cae.apply()
-    changes = changed_curves(before, all_keys(add_on, thing))
+    changes = changed_curves(before, all_keys(add_on, obj))
     frames = {frame for keys in changes.values() for frame in keys}
     assert frames
     assert frames <= set(range(40, 71))
@@ -302,33 +302,33 @@ def test_marked_bones_are_filled_in_the_preview_range(add_on, tmp_path):
 
 
 def test_frames_beyond_the_preview_range_are_not_listed(add_on, tmp_path):
-    thing = imported_walk(tmp_path)
+    obj = imported_walk(tmp_path)
     set_range(60, 90)
     bpy.ops.numpy_cae.find()
-    assert len(thing.numpy_cae.findings) == 0
+    assert len(obj.numpy_cae.findings) == 0
 
 
 @pytest.mark.parametrize(("bone", "rows"), [("lradius", 1), ("rradius", 0)])
 def test_bones_that_are_not_selected_are_not_listed(add_on, tmp_path, bone, rows):
-    thing = imported_walk(tmp_path)
-    select(thing, [bone])
-    thing.numpy_cae.only_selected = True
+    obj = imported_walk(tmp_path)
+    select(obj, [bone])
+    obj.numpy_cae.only_selected = True
     bpy.ops.numpy_cae.find()
-    assert len(thing.numpy_cae.findings) == rows
+    assert len(obj.numpy_cae.findings) == rows
 
 
 def test_a_row_of_the_list_jumps_to_its_frame_and_bone(add_on, tmp_path):
-    thing = imported_walk(tmp_path)
+    obj = imported_walk(tmp_path)
     bpy.ops.numpy_cae.find()
     bpy.context.scene.frame_set(1)
-    thing.numpy_cae.active = 0
+    obj.numpy_cae.active = 0
     assert bpy.context.scene.frame_current == 51
-    assert thing.data.bones.active.name == "lradius"
+    assert obj.data.bones.active.name == "lradius"
 
 
-def thinned(add_on, thing, step):
+def thinned(add_on, obj, step):
     """Keep every n-th key of all curves, with smooth handles, as an animator sets keys."""
-    action, slot = add_on.require_action(thing)
+    action, slot = add_on.require_action(obj)
     for curve in add_on.curves_of(action, slot):
         points = curve.keyframe_points
         for index in reversed(range(len(points))):
@@ -341,20 +341,20 @@ def thinned(add_on, thing, step):
 
 
 def test_between_sparse_keys_the_curve_stays_outside_of_what_is_filled(add_on, tmp_path):
-    thing = imported_walk(tmp_path, damaged=False)
-    thinned(add_on, thing, 15)
+    obj = imported_walk(tmp_path, damaged=False)
+    thinned(add_on, obj, 15)
     times = np.arange(1.0, 106.0)
-    before = shown_heads(thing, times)
-    keys = all_keys(add_on, thing)
-    select(thing, ["lwrist", "lradius"])
+    before = shown_heads(obj, times)
+    keys = all_keys(add_on, obj)
+    select(obj, ["lwrist", "lradius"])
     set_range(50, 56)
     bpy.ops.numpy_cae.mark()
     bpy.ops.numpy_cae.apply()
-    after = shown_heads(thing, times)
+    after = shown_heads(obj, times)
     outside = (times < 50) | (times > 56)
     for name, places in after.items():
         np.testing.assert_allclose(places[outside], before[name][outside], atol=1e-4)
-    now = all_keys(add_on, thing)
+    now = all_keys(add_on, obj)
     assert changed_curves(keys, now)
     for name, old in keys.items():
         kept = old[(old[:, 0] < 50) | (old[:, 0] > 56)]
@@ -362,24 +362,24 @@ def test_between_sparse_keys_the_curve_stays_outside_of_what_is_filled(add_on, t
 
 
 def test_an_edit_since_the_search_is_not_lost(add_on, tmp_path):
-    thing = imported_walk(tmp_path)
+    obj = imported_walk(tmp_path)
     bpy.ops.numpy_cae.find()
-    thing.pose.bones["rradius"].keyframe_insert("location", frame=7)
-    keys = all_keys(add_on, thing)
+    obj.pose.bones["rradius"].keyframe_insert("location", frame=7)
+    keys = all_keys(add_on, obj)
     with pytest.raises(RuntimeError, match="changed since the search"):
         bpy.ops.numpy_cae.apply()
-    assert changed_curves(keys, all_keys(add_on, thing)) == {}
+    assert changed_curves(keys, all_keys(add_on, obj)) == {}
 
 
 def test_done_leaves_the_repair_and_removes_the_copy(add_on, tmp_path):
-    thing = imported_walk(tmp_path)
+    obj = imported_walk(tmp_path)
     bpy.ops.numpy_cae.find()
     bpy.ops.numpy_cae.apply()
-    repaired = all_keys(add_on, thing)
+    repaired = all_keys(add_on, obj)
     assert len(bpy.data.actions) == 2
     bpy.ops.numpy_cae.end()
     assert len(bpy.data.actions) == 1
-    assert changed_curves(repaired, all_keys(add_on, thing)) == {}
+    assert changed_curves(repaired, all_keys(add_on, obj)) == {}
 
 
 def test_the_list_is_in_the_saved_file(add_on, tmp_path):
@@ -392,26 +392,26 @@ def test_the_list_is_in_the_saved_file(add_on, tmp_path):
     bpy.ops.numpy_cae.apply()
 
 
-def add_constraint(thing):
-    thing.pose.bones["lwrist"].constraints.new("COPY_ROTATION").target = thing
+def add_constraint(obj):
+    obj.pose.bones["lwrist"].constraints.new("COPY_ROTATION").target = obj
 
 
-def add_scale(thing):
-    thing.pose.bones["lwrist"].scale = (1.0, 2.0, 1.0)
+def add_scale(obj):
+    obj.pose.bones["lwrist"].scale = (1.0, 2.0, 1.0)
 
 
-def remove_action(thing):
-    thing.animation_data.action = None
+def remove_action(obj):
+    obj.animation_data.action = None
 
 
-def add_modifier(thing):
-    curve = next(curve for curve in all_curves(thing) if "lradius" in curve.data_path)
+def add_modifier(obj):
+    curve = next(curve for curve in all_curves(obj) if "lradius" in curve.data_path)
     curve.modifiers.new("NOISE")
 
 
-def all_curves(thing):
+def all_curves(obj):
     module = sys.modules["numpy_cae_in_blender"]
-    return module.curves_of(*module.require_action(thing))
+    return module.curves_of(*module.require_action(obj))
 
 
 @pytest.mark.parametrize(
@@ -424,7 +424,7 @@ def all_curves(thing):
     ],
 )
 def test_a_pose_that_is_not_that_of_the_keys_is_refused(add_on, tmp_path, change, message):
-    thing = imported_walk(tmp_path)
-    change(thing)
+    obj = imported_walk(tmp_path)
+    change(obj)
     with pytest.raises(RuntimeError, match=message):
         bpy.ops.numpy_cae.find()
