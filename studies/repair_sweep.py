@@ -14,12 +14,14 @@ each method, moving.
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from numpy_cae.evaluation import tables
 from numpy_cae.evaluation.tables import Clips, Repairs, clips_of
 from numpy_cae.manifold import MotionManifold
+from numpy_cae.manifold.weighted_completion import complete_weighted
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
 from studies.shared.judging import ratio_of_errors, root_mean_square
@@ -38,6 +40,7 @@ DRAWN = {
 WINDOWS = 60
 """At most this many windows are repaired, since the Gaussian takes a tenth of a second for
 each."""
+WITHOUT_NETWORK = "mask: completed without the network"
 Errors = dict[str, np.ndarray]
 """Method to its errors in cm, one for each p and each seed."""
 
@@ -58,6 +61,7 @@ def run(
         for method, of_takes in squares.items():
             errors[method].append(root_mean_square(of_takes))
         if p == tables.P:
+            squares[WITHOUT_NETWORK] = _squares_without_network(test, seed)
             claims = _claims(squares)
     rows = [[method, *of_method] for method, of_method in errors.items()]
     header = ["method", *(f"p = {p}" for p in shares)]
@@ -77,6 +81,21 @@ def _squares(repairs: Repairs, test: Clips, p: float, seed: int) -> dict[str, np
     for method, _, repaired in repairs.apply(test, damaged, p):
         squares[method] = test.squares_by_take(repaired)
     return squares
+
+
+def _squares_without_network(test: Clips, seed: int) -> np.ndarray:
+    """The squared errors by take of a completion as the manifold's, without its network."""
+    damaged = zero_values(test.x, tables.P, np.random.default_rng(seed))
+    known = damaged != 0
+    return test.squares_by_take(
+        tables.apply_to_real_frames(complete_without_network, test.real, damaged, known)
+    )
+
+
+def complete_without_network(x: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Windows (N, T, C) completed as `MotionManifold.complete` does, without its network."""
+    pairs = zip(x, known, strict=True)
+    return np.stack([complete_weighted(window, mask, project=None) for window, mask in pairs])
 
 
 def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:
@@ -122,10 +141,19 @@ def _claims(squares: dict[str, np.ndarray]) -> list[Claim]:
         claims.append(Claim(key, share_left.at_most(bound), figures, "", opponent, also))
     claims.append(_claim_against(squares, "better_than_simple", tables.NETWORK, simple))
     with_mask = min(tables.SIMPLE_WITH_MASK, key=lambda name: errors[name])
-    claims.append(_claim_against(squares, "completed_better", tables.COMPLETED, with_mask))
+    claims.append(_claim_of_completion(squares, with_mask))
     key = "transitions_afterwards"
     claims.append(_claim_against(squares, key, tables.COMPLETED, tables.DYNAMICS))
     return claims
+
+
+def _claim_of_completion(squares: dict[str, np.ndarray], simple: str) -> Claim:
+    """Whether the completion has a lower error than the best simple method, and what is the
+    network's part in it."""
+    claim = _claim_against(squares, "completed_better", tables.COMPLETED, simple)
+    of_network = ratio_of_errors(squares[tables.COMPLETED], squares[WITHOUT_NETWORK])
+    opponent = f"{claim.opponent.rstrip('.')}; with the network {of_network:.2f} of without it."
+    return replace(claim, opponent=opponent)
 
 
 def _claim_against(squares: dict[str, np.ndarray], key: str, ours: str, opponent: str) -> Claim:

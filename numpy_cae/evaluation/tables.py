@@ -26,6 +26,7 @@ from numpy_cae.evaluation.pose_dynamics import PoseDynamics
 from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.completion import interpolate_gaps, zeroed_fraction
 from numpy_cae.motion import POSITIONS, AngleSequence, cut_clips, cut_windows, joint_slice
+from numpy_cae.motion.gaussian_process import fit_curves
 from numpy_cae.training import zero_values
 
 
@@ -174,11 +175,12 @@ AVERAGED = "the network, averaged over shifts"
 LINES = "mask: linear interpolation"
 PCHIP = "mask: monotone cubic (PCHIP)"
 SPLINE = "mask: limited cubic spline"
+PROCESS = "mask: Gaussian process of each channel"
 GAUSSIAN = "mask: Gaussian of 15 frames"
 DYNAMICS = "mask: Kalman smoother of poses"
 COMPLETED = "mask: completed by the manifold"
 SIMPLE = (PRINCIPAL, LINEAR)
-SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, GAUSSIAN, DYNAMICS)
+SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, PROCESS, GAUSSIAN, DYNAMICS)
 """SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
 NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
@@ -248,10 +250,17 @@ class Repairs:
             LINES: partial(interpolate_columns, curve=np.interp),
             PCHIP: partial(interpolate_columns, curve=interpolate_pchip),
             SPLINE: interpolate_gaps,
+            PROCESS: fit_processes,
             GAUSSIAN: self.gaussian.complete,
             DYNAMICS: self.dynamics.complete,
             COMPLETED: self.manifold.complete_windows,
         }
+
+
+def fit_processes(x: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Windows (N, T, C) completed by the curves of `motion.gaussian_process`."""
+    pairs = zip(x, known, strict=True)
+    return np.stack([fit_curves(window, mask).values for window, mask in pairs])
 
 
 def _divide(damaged: np.ndarray) -> np.ndarray:
