@@ -3,7 +3,7 @@ methods, side by side, moving, with the error over time below.
 
     python -m tools.filling_pictures
 
-Both are of a synthetic walk and the starter model, which has not seen this walk.
+Both are of a synthetic walk and the starter model, which learned from other synthetic walks too.
 """
 
 from collections.abc import Mapping
@@ -115,7 +115,7 @@ def animate(rows: list[tuple[np.ndarray, Poses]], path: Path, height: float) -> 
 
 
 def error_of(positions: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """The error (cm) of each frame: the root mean square of a coordinate over joints that differ."""
+    """The error (cm) of each frame: root mean square of a coordinate, of joints that differ."""
     off = 100 * (positions - truth)
     differ = np.linalg.norm(off, axis=-1).max(axis=0) > 1e-3
     return np.sqrt(np.mean(off[:, differ] ** 2, axis=(1, 2)))
