@@ -8,7 +8,9 @@ spaced: the mean over three seeds of the values removed and, after ±, half of t
 the largest and the smallest. Networks are those of recipe fast, trained once. Methods are grouped
 by what they are given, as in `numpy_cae.evaluation.tables`: the zeros as they are or, from
 "mask:" on, which values are missing. PCA has the number of axes that is best on the windows it is
-tested on, which favours PCA; the linear map is fitted for each p.
+tested on, which favours PCA; the linear map is fitted for each p. The ridge of the Gaussian is
+chosen on takes left out where later takes of its own source are repaired; for another source it is
+`numpy_cae.evaluation.baselines.RIDGE`, chosen on sources left out.
 
     python -m studies sources --data bandai cmu/asfamc motions
 """
@@ -19,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from numpy_cae.evaluation.baselines import RIDGE
 from numpy_cae.evaluation.tables import COMPLETED, GAUSSIAN, PCHIP, Repairs, clips_of
 from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import find_motion_files
@@ -49,7 +52,7 @@ def run(folders: Sequence[str | Path], seed: int = 0) -> Result:
         for source in takes:
             if source != name:
                 takes_of_other_sources += takes[source]
-        errors = _errors(takes_of_other_sources, takes_of_source, seed)
+        errors = _errors(takes_of_other_sources, takes_of_source, seed, RIDGE)
         claims.append(_claim(name, errors))
         tables.append(_table(f"{name}, left out", errors))
         earlier = [take for number, take in enumerate(takes_of_source) if number % FIFTH]
@@ -63,10 +66,16 @@ def _takes_of(folder: str | Path) -> list[np.ndarray]:
     return [positions for _, (positions, _) in read_takes(find_motion_files(folder), read_body)]
 
 
-def _errors(training: Sequence[np.ndarray], testing: Sequence[np.ndarray], seed: int) -> Errors:
-    """The errors in windows of takes (F, 20, 3) of the methods, fitted to other takes."""
+def _errors(
+    training: Sequence[np.ndarray],
+    testing: Sequence[np.ndarray],
+    seed: int,
+    ridge: float | None = None,
+) -> Errors:
+    """The errors in windows of takes (F, 20, 3) of the methods, fitted to other takes; the ridge is
+    that of the Gaussian."""
     manifold = learn_manifold(training, recipe("fast"), seed)
-    repairs = Repairs(manifold, clips_of(manifold, training))
+    repairs = Repairs(manifold, clips_of(manifold, training), ridge)
     test = clips_of(manifold, testing).pick_evenly(WINDOWS)
     return sweep(repairs, test, PS, range(seed, seed + SEEDS))
 

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.interpolate import pchip_interpolate
 
 from numpy_cae.evaluation import angle_distance, position_error
-from numpy_cae.evaluation.baselines import PCA, apply_linear_map, fit_gaussian
+from numpy_cae.evaluation.baselines import PCA, Gaussian, apply_linear_map, fit_gaussian
 from numpy_cae.evaluation.pose_dynamics import PoseDynamics
 from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.completion import interpolate_gaps, zeroed_fraction
@@ -215,13 +215,20 @@ def compare_repairs(
 
 
 class Repairs:
-    """The methods of the table, with baselines fitted to windows of training takes."""
+    """The methods of the table, with baselines fitted to windows of training takes.
 
-    def __init__(self, manifold: MotionManifold, training: Clips):
+    The ridge of the Gaussian is chosen on training takes that are left out, or it is the one that
+    is given, for takes of another source.
+    """
+
+    def __init__(self, manifold: MotionManifold, training: Clips, ridge: float | None = None):
         self.manifold = manifold
         fitted = training.pick_evenly(FITTED)
         self.pca = PCA.fit(fitted.x.reshape(len(fitted), -1))
-        self.gaussian = fit_gaussian(fitted.x, fitted.real, fitted.take)
+        if ridge is None:
+            self.gaussian = fit_gaussian(fitted.x, fitted.real, fitted.take)
+        else:
+            self.gaussian = Gaussian(fitted.x, fitted.real, ridge)
         takes = [x[real] for x, real in zip(fitted.x, fitted.real, strict=True)]
         self.dynamics = PoseDynamics(takes)
 
