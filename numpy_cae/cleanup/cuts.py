@@ -27,7 +27,8 @@ CUT_SHARE = 0.5
 data_synth at 24 and 30 frames a second the share is at most 0.28, at cuts between them at least
 0.64 in 96%."""
 CUT_METRES = 0.03
-"""At a cut the joints move by more than this (m), in the mean, in the world or from the hips."""
+"""At a cut the joints move by more than this (m), in the mean. With 2 cm as many cuts are found;
+with 5 cm 69% instead of 84% of those of Bandai by which joints move by 3 to 50 cm."""
 LONGEST_LOST_SECONDS = 0.4
 """Frames were lost, and there is no cut, if the joints move by a jump in at most this time (s) at
 the speeds that they have around it: chosen on CMU among 0.3, 0.4 and 0.5. Of takes that lost 0.1 to
@@ -35,11 +36,16 @@ the speeds that they have around it: chosen on CMU among 0.3, 0.4 and 0.5. Of ta
 data_synth; of cuts between takes by which the joints move by more than 0.5 m, 100%, 97% and 100%
 are found."""
 REACHING_SHARE = 0.8
-"""At least this share of the joints move by a jump in the time of the line above."""
+"""At least this share of the joints move by a jump in the time of the line above. With 0.7 and 0.9
+a cut is found in 5% and 8% of the takes of CMU that lost 0.1 to 0.3 s."""
 AROUND_SECONDS = 1.0
-"""The speeds of joints are measured in this time (s) before and after a jump."""
+"""The speeds of joints are measured in this time (s) before and after a jump. With 0.5 s
+74% instead of 84% of the cuts of Bandai by which joints move by 3 to 50 cm are found, with 1.5 s
+84%; the shares of lost frames that are cut change by at most 2%."""
 USUAL_SPEED_SHARE = 0.9
-"""The speed of a joint is this quantile of its speeds around a jump."""
+"""The speed of a joint is this quantile of its speeds around a jump. With 0.8 and 0.95 a cut is
+found in 47% and 25% of the takes of CMU that lost 0.4 to 0.6 s, and in 8% and 4% of those that lost
+0.1 to 0.3 s; with 0.95 one of 19 cuts is missed."""
 LATER_SHARE = 0.3
 """Some frames have another pose, and there is no cut, if after them the pose differs from that
 before them by less than this share of the jump."""
@@ -50,7 +56,9 @@ LONGEST_DROP_SECONDS = 1.0
 """A pose that is repeated for longer than this time (s) is held on purpose."""
 DROP_RATIO = 3.0
 """Frames were dropped if the jump after them is at most this times the way that the slower one of
-the motions before and after them takes in their time."""
+the motions before and after them takes in their time. Of takes in which 0.1 to 0.4 s repeat a pose
+3% of CMU, 1% of Bandai and 9% of data_synth have a larger one; with a ratio of 2 12%, 2% and 13%.
+"""
 MEAN_CLIP_SECONDS = 1.0
 """Where clips would last less than this time (s) in the mean, the motion jumps all the time, and
 has no cuts."""
