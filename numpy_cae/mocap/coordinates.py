@@ -10,7 +10,8 @@ decide, on the twenty joints:
   it is along another axis, that axis is up, unless the body rests on the floor at Y = 0, as someone
   who does press-ups or lies. A body whose head is below its feet in most frames hangs: -Y is up.
 - The rest pose: people may lie, crawl and fall. So where the rest pose has another axis up, that
-  axis is up if they stand along it in some frames, or if they move over a floor across it.
+  axis is up if they stand along it in some frames, or if they move over a floor across it; unless
+  they move over a floor along it, since some rigs have a rest pose in which nobody stands.
 - Support: the lowest joint is near the floor most of the time. If the lowest level at which it
   stays is far from 0, and it is seldom near 0, the floor is there.
 """
@@ -90,7 +91,8 @@ def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
     if abs(component) < UPRIGHT_COSINE:
         return "y"
     of_rest, up_of_rest = _upright(rest[None])
-    if abs(of_rest) >= UPRIGHT_COSINE and up_of_rest != up:
+    is_other = abs(of_rest) >= UPRIGHT_COSINE and up_of_rest != up
+    if is_other and not _moves_over_floor(body, up, up_of_rest):
         if _stands_along(body, up_of_rest) or _moves_over_floor(body, up_of_rest, up):
             return up_of_rest
     doubtful = not _rests_at_zero(body, up) or up_of_rest == "y"

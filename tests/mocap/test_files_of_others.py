@@ -8,11 +8,12 @@ from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from numpy_cae.cleanup.mask_file import entry_findings
-from numpy_cae.mocap.coordinates import turn_as_in_file, turn_y_up
+from numpy_cae.mocap import body_positions
+from numpy_cae.mocap.coordinates import TO_Y_UP, detect_up, turn_as_in_file, turn_y_up
 from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.mocap.formats.write_bvh import write_bvh
 from numpy_cae.mocap.load import load_motion
-from numpy_cae.mocap.rigs.recognise import MIRRORED, recognise_rig
+from numpy_cae.mocap.rigs.recognise import MIRRORED, recognise_rig, rig_of
 from numpy_cae.motion.features import problem_of
 
 
@@ -49,6 +50,16 @@ def test_a_person_who_crawls_is_y_up():
     translations[:, 0, 2] += 0.4 * np.arange(120) / 30.0
     translations[:, 0, 1] += 0.05 * np.sin(np.arange(120) / 5.0) ** 2
     assert turn_y_up(replace(crawls, translations=translations)).up == "y"
+
+
+@pytest.mark.parametrize("degrees", [-90.0, 90.0])
+def test_a_rest_pose_along_which_people_fall_does_not_say_what_is_up(degrees):
+    """The bones of some rigs all lie along one axis in the rest pose, and people fall along it."""
+    falls = np.interp(np.arange(120), [0, 60, 70, 119], [0.0, 0.0, degrees, degrees])
+    motion = on_the_floor(tilted(clip("walk"), falls, "z"))
+    motion.translations[:, 0, 0] += 0.5 * np.arange(120) / 30.0
+    rest = motion.skeleton.rest_positions()[rig_of(motion).joints]
+    assert detect_up(body_positions(motion), rest @ np.transpose(TO_Y_UP["-x"])) == "y"
 
 
 @pytest.mark.parametrize("kind", ["walk", "idle", "jumping_jacks", "kick", "squats"])
