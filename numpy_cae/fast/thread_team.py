@@ -33,14 +33,31 @@ FUNCTION_NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_",
 @lru_cache(maxsize=1)
 def _openblas() -> tuple[Callable[[], int], Callable[[int], None]] | None:
     """The functions that read and set the number of threads; None where they are not found."""
-    package = Path(np.__file__).parent
-    folders = (package.parent / "numpy.libs", package / ".libs", package / ".dylibs")
-    for folder in folders:
-        for path in sorted(folder.glob("*openblas*")):
-            functions = _thread_functions(path)
-            if functions is not None:
-                return functions
+    for path in _library_paths():
+        functions = _thread_functions(path)
+        if functions is not None:
+            return functions
     return None
+
+
+def _library_paths() -> Iterator[Path]:
+    """The files that may be NumPy's own OpenBLAS."""
+    package = Path(np.__file__).parent
+    for folder in (package.parent / "numpy.libs", package / ".libs", package / ".dylibs"):
+        yield from sorted(folder.glob("*openblas*"))
+
+
+def blas_kernel() -> str:
+    """The name of the kernels that OpenBLAS uses on this processor, such as "SkylakeX"; "unknown"
+    for another BLAS."""
+    for path in _library_paths():
+        library = ctypes.CDLL(str(path))
+        for name in FUNCTION_NAMES:
+            read = getattr(library, name.format("get_corename"), None)
+            if read is not None:
+                read.restype = ctypes.c_char_p
+                return read().decode()
+    return "unknown"
 
 
 def _thread_functions(path: Path) -> tuple[Callable[[], int], Callable[[int], None]] | None:
