@@ -403,7 +403,7 @@ def is_current(obj):
     return settings.fingerprint == fingerprint_of(curves_of(action, slot))
 
 
-def chosen_frames(scene):
+def preview_range(scene):
     """The first and the last frame of the preview range; None where there is none."""
     if not scene.use_preview_range:
         return None
@@ -414,6 +414,7 @@ def selected_bones(obj):
     """The names of the selected bones."""
     names = []
     for bone in obj.pose.bones:
+        # Blender 4.5 keeps it in the bone of the rest pose.
         is_selected = bone.select if hasattr(bone, "select") else bone.bone.select
         if is_selected:
             names.append(bone.name)
@@ -453,7 +454,7 @@ def find_damage(context, obj, report_progress=None):
     begin_list(obj)
     settings = obj.numpy_cae
     selected = selected_bones(obj)
-    frames = chosen_frames(context.scene)
+    frames = preview_range(context.scene)
     for finding in repaired.listed():
         first, last = reading.times[list(finding.frames)]
         if frames and (last < frames[0] or first > frames[1]):
@@ -476,7 +477,7 @@ def find_damage(context, obj, report_progress=None):
 
 def mark_bones(context, obj):
     """List the selected bones in the preview range, to be filled in; return their number."""
-    frames = chosen_frames(context.scene)
+    frames = preview_range(context.scene)
     if frames is None:
         raise ValueError("choose the frames by a preview range (P in the timeline)")
     names = selected_bones(obj)
@@ -685,7 +686,7 @@ class RepairPanel(bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.object.numpy_cae
-        frames = chosen_frames(context.scene)
+        frames = preview_range(context.scene)
         words = f"frames {frames[0]} to {frames[1]} (preview range)" if frames else "all frames"
         layout.label(text=words.capitalize(), icon="TIME")
         layout.prop(settings, "only_selected")
