@@ -51,10 +51,11 @@ MINUTES = {False: 20.0, True: 5.0}
 """Minutes of the synthetic takes, every fifth of which is measured, and with --quick."""
 PRESS_UPS = ("press_ups", "walk", "confident_walk")
 """Kinds of the takes from which the network of press-ups learns."""
-SEQUENCES = {False: (15.0, 1000), True: (2.0, 60)}
-"""Minutes of each action of jang2018 and steps of training, without --quick and with it."""
+SEQUENCES = {False: (15.0, 1000, 40), True: (2.0, 60, 10)}
+"""Minutes of each action of jang2018, steps of training and points of its curve, without --quick
+and with it."""
 CHOICES = {False: (8.0, 400), True: (1.0, 40)}
-"""The same of the choices of jang2018."""
+"""Minutes and steps of the choices of jang2018."""
 QUICK_EPOCHS = 20
 """Epochs of the network with --quick."""
 PAPER = "the paper's"
@@ -257,12 +258,13 @@ def judge_press_ups(folder: Path, seed: int, trainer: Trainer, quick: bool) -> l
 
 def judge_sequences(quick: bool, seed: int, seeds: int) -> list[JudgedClaim]:
     """The claims of jang2018 on synthetic actions, with fewer minutes and steps."""
-    minutes, steps = SEQUENCES[quick]
+    minutes, steps, points = SEQUENCES[quick]
     schedule = replace(SEQUENCE_RECIPES["fast"], epochs=10, steps=steps // 10)
     of_seeds = []
     for number in range(seed, seed + seeds):
         actions = [synthetic_action(kind, minutes, number) for kind in ACTIONS]
-        of_seeds.append(sequences.run(actions, schedule, {}, number).claims)
+        result = sequences.run(actions, schedule, {}, number, points=points)
+        of_seeds.append(result.claims)
     judged = [JudgedClaim(BOTH, of_claim) for of_claim in zip(*of_seeds, strict=True)]
     minutes, steps = CHOICES[quick]
     choices = sequence_choices.run(seed, min(seeds, sequence_choices.SEEDS), steps, minutes)

@@ -39,18 +39,19 @@ def run(
     network: dict[str, int],
     seed: int = 0,
     progress: Callable[[TrainingState], None] | None = None,
+    points: int = training.CURVE_POINTS,
 ) -> Result:
     """Train on each action with each regulariser.
 
     The schedule's weight λ is that of the regulariser; `seed` and `network` are those of
-    `train_study`. `progress` reports a training.
+    `train_study`. `progress` reports a training. The curves have about so many points.
     """
 
     def train(action: Action, weight: float, name: str) -> Study:
         note(f"{action.name}, {name}")
         weighted = replace(schedule, weight=weight)
         mmd = name == MMD
-        return training.train_study(action, weighted, seed, progress, mmd, **network)
+        return training.train_study(action, weighted, seed, progress, mmd, points, **network)
 
     weights = {SLICED: schedule.weight, MMD: MMD_WEIGHT, NONE: 0.0}
     trained: dict[str, list[Study]] = {}

@@ -68,9 +68,11 @@ def train_study(
     seed: int = 0,
     report: Callable[[TrainingState], None] | None = None,
     mmd: bool = False,
+    points: int = CURVE_POINTS,
     **network,
 ) -> Study:
-    """Train on one action and record the curve of held-out errors, only its start if λ = 0.
+    """Train on one action and record the curve of held-out errors, of about so many points; only
+    its start if λ = 0 or with `mmd`.
 
     With `mmd` the regulariser is the maximum mean discrepancy of the codes from the prior.
     `network` are the arguments of `learn_sequences` that describe the network.
@@ -79,7 +81,7 @@ def train_study(
     rng_of_errors = np.random.default_rng([seed, 1])
     manifold = learn_sequences(action.training, replace(schedule, epochs=0), rng, **network)
     measured = manifold.network
-    interval = max(1, schedule.epochs * schedule.steps // CURVE_POINTS)
+    interval = max(1, schedule.epochs * schedule.steps // points)
     curve: dict[str, list] = {"steps": [], "error": [], "discrepancy": []}
 
     def measure(step: int) -> None:
@@ -96,8 +98,8 @@ def train_study(
         if report is not None:
             report(state)
         step = state.epoch * state.steps + state.step
-        # Figure 2 needs no curve of a training without the regulariser.
-        if schedule.weight and step % interval == 0:
+        # Figure 2 needs no curve of a training with another regulariser or none.
+        if schedule.weight and not mmd and step % interval == 0:
             measure(step)
 
     measure(0)
