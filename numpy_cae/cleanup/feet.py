@@ -95,16 +95,21 @@ STANDING_CENTIMETRES = 1.0
 STAYING_METRES_A_SECOND = 0.03
 """A foot that slides slower than this (m/s) while it stands is left as it is. In clean files from
 suits and optical systems half of the stances are slower than 2.2 cm/s, of Bandai half than 1.9, in
-files from video half are faster than 21 cm/s."""
+files from video half are faster than 21 cm/s. If none is left, the speeds of the clean takes below
+are wrong by 2.5 instead of 2.4 cm/s."""
 STAYING_METRES = 0.04
 """A foot that is left as it is moves by at most this (m) while it stands."""
 STEP_METRES = 0.05
-"""A foot changes its place where the places before and after are further apart than this (m)."""
+"""A foot changes its place where it gets further than this (m) from where it stood. In twelve clean
+takes of CMU, after feet are held, the speeds of feet that stand are wrong by 2.4 cm/s; with 3 and
+8 cm by 2.3 and 3.1; in the same takes whose root drifts by 15 cm/s by 12.1, 11.9 and 12.2."""
 STEP_METRES_A_SECOND = 0.15
-"""While a foot changes its place it is faster than this (m/s)."""
+"""While a foot changes its place it is faster than this (m/s). With 0.08 and 0.25 the speeds of the
+clean takes above are wrong by 2.8 and 2.4 cm/s, of the drifting ones by 12.1."""
 STEP_RATIO = 3.0
 """While a foot changes its place it is faster than this times the median while it stands: a foot
-that slides or shakes all the time does not."""
+that slides or shakes all the time does not. With 2 and 5 the speeds of the clean takes above are
+wrong by 2.2 and 2.7 cm/s, of the drifting ones by 12.1."""
 
 
 class Stance(NamedTuple):
