@@ -7,7 +7,7 @@ from numpy_cae.viz.actor import (
     motion_actor,
     side_by_side,
 )
-from numpy_cae.viz.colours import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
+from numpy_cae.viz.colours import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH, curve_styles
 from numpy_cae.viz.figures import LiveCurve, losses_figure, matrix_figure, save_figure, strip_figure
 from numpy_cae.viz.sliders import Chart, Curve, slider_figure
 from numpy_cae.viz.viewer import in_notebook, save_viewer
@@ -23,6 +23,7 @@ __all__ = [
     "Curve",
     "LiveCurve",
     "before_and_after",
+    "curve_styles",
     "in_notebook",
     "losses_figure",
     "matrix_figure",

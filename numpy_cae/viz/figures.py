@@ -16,6 +16,7 @@ import numpy as np
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.training.state import HELD_OUT
 from numpy_cae.viz.actor import Actor
+from numpy_cae.viz.colours import curve_styles
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -176,6 +177,7 @@ def losses_figure(losses: Mapping[str, Sequence[float]]) -> Figure:
         plots[HELD_OUT] = [HELD_OUT]
     row = figure.subplots(1, len(plots), squeeze=False)[0]
     for axes, (unit, names) in zip(row, plots.items(), strict=True):
+        axes.set_prop_cycle(curve_styles())
         for name in names:
             axes.plot(range(1, len(losses[name]) + 1), losses[name], label=name)
         axes.set(xlabel="epoch", ylabel=unit, yscale="log" if unit == "loss" else "linear")

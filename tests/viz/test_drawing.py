@@ -59,6 +59,11 @@ def test_losses_are_drawn_by_epoch():
     assert [line.get_label() for line in errors.lines] == [HELD_OUT]
 
 
+def test_no_two_curves_have_the_same_line():
+    losses = losses_figure({name: [2.0, 1.0] for name in "abcdef"}).axes[0].lines
+    assert len({str(line._dash_pattern) for line in losses}) == len(losses) == 6
+
+
 def test_a_matrix_names_its_rows():
     """Similar motions are neighbours: here a, c, e and b, d, at places on a line."""
     places = np.array([0.0, 9.0, 1.0, 7.0, 2.0])

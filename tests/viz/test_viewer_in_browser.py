@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from data_synth import make_take
-from numpy_cae.viz import motion_actor, save_viewer
+from numpy_cae.viz import in_notebook, motion_actor, save_viewer
 from numpy_cae.viz.actor import measure_distances
 
 SHOWN = "viewer => viewer.stage.figures.map(figure => figure.points.map(point => point.toArray()))"
@@ -48,6 +48,22 @@ def page(browser, motions, tmp_path_factory, request):
     yield opened
     assert not errors
     opened.close()
+
+
+@pytest.mark.parametrize("findings", [(), FOUND], ids=["in a lesson", "with findings"])
+def test_the_slider_stays_within_a_notebooks_frame_on_a_phone(browser, motions, findings):
+    actors = [
+        motion_actor(motion, f"a walk with a long name {n}") for n, motion in enumerate(motions)
+    ]
+    frame = in_notebook(actors, 30.0, findings)
+    page = browser.new_page(viewport={"width": 390, "height": frame.height})
+    page.set_content(frame.page)
+    page.wait_for_function("window.motionViewers?.()[0]?.frame > 0", timeout=60_000)
+    slider = page.locator(".viewer input[type=range]").bounding_box()
+    stage = page.locator(".viewer .stage").bounding_box()
+    page.close()
+    assert 0 <= slider["y"] and slider["y"] + slider["height"] <= frame.height
+    assert stage["height"] > 90
 
 
 def viewer_of(page):
