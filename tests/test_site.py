@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tools.equations import as_tex, is_equation
-from tools.lesson_pages import alternative_text, write_lessons
+from tools.lesson_pages import write_lessons
 
 ROOT = Path(__file__).parents[1]
 
@@ -25,16 +25,6 @@ def test_an_equation_is_written_in_tex():
     assert is_equation(lines) and not is_equation(["    >>> x = 1"])
     tex = r"& y = \sum _k x[k - \lfloor K/2\rfloor ] \cdot  \hat{w}[k] \qquad \text{ with zeros }"
     assert tex in as_tex(lines)
-
-
-def test_a_picture_is_described_by_the_texts_that_it_shows():
-    code = 'axes.plot(x, label="the loss")\naxes.set(xlabel="epoch", title=f"{name}, {n} filters")'
-    assert set(alternative_text(code).removeprefix("Picture: ").split("; ")) == {
-        "the loss",
-        "epoch",
-        ", filters",
-    }
-    assert alternative_text("draw()", "One.\n\nThe **loss** falls.") == "Picture: The loss falls."
 
 
 def test_every_picture_of_a_lesson_has_a_text_and_every_lesson_a_card(site):

@@ -1,8 +1,8 @@
 """Execute the instructor's copies of lessons in fresh kernels and store outputs and points.
 
     python -m tools.execute_lessons 03 05       (without numbers: every lesson and milestone)
-    python -m tools.execute_lessons milestone_07
-    python -m tools.execute_lessons --points    only the points, after a change of an exercise
+    python -m tools.execute_lessons milestone_08
+    python -m tools.execute_lessons --points    only the points and the alternative texts
 
 Outputs change when a lesson changes, or a figure that it shows. That every lesson runs with the
 present code is tested without storing: with short trainings by `pytest -m lessons -k short`, as
@@ -112,6 +112,18 @@ def execute(notebook: dict, mine: str = EMPTY, data: str | None = None) -> dict:
     return executed
 
 
+def describe_pictures(notebook: dict) -> None:
+    """Give the pictures of an executed notebook their alternative texts.
+
+    A code cell has a text for each of its pictures in its metadata, under "alt".
+    """
+    for cell in notebook["cells"]:
+        texts = iter(cell["metadata"].get("alt", ()))
+        for output in cell.get("outputs", ()):
+            if "image/png" in output.get("data", {}):
+                output["metadata"]["image/png"] = {"alt": next(texts, "")}
+
+
 def _environment(data: str | None) -> dict[str, str]:
     """The environment of a kernel: the clone can be imported, and one thread is used."""
     environment = dict(os.environ)
@@ -134,7 +146,7 @@ def _failing(notebook: dict) -> str:
 def mine_before(lesson: Path) -> str:
     """The text of mine.py with the solutions of all lessons before this one, in its folder.
 
-    The milestone of lesson 07 comes after it and before lesson 07b.
+    The milestone of lesson 08 comes after it and before lesson 09.
     """
     name = re.sub(r"milestone_(\d+)", r"\1_~", lesson.name)
     earlier = [path for path in find_lessons(lesson.parent) if path.name < name]
@@ -162,12 +174,13 @@ def set_points(notebook: dict) -> None:
 
 
 def store(path: Path, executed: bool) -> None:
-    """Store a lesson's points and, if requested, new outputs."""
+    """Store a lesson's points and alternative texts and, if requested, new outputs."""
     notebook = read_notebook(path)
     set_points(notebook)
     if executed:
         notebook = execute(notebook, mine_before(path))
         print(f"{path}: executed")
+    describe_pictures(notebook)
     write_notebook(notebook, path)
 
 

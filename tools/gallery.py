@@ -2,6 +2,7 @@
 
 The picture is that of the cell tagged "gallery", or else the last one of the lesson. It is stored
 with a hash of the original picture; a test compares the hash with the lesson's present outputs.
+The lesson itself begins with it, in its cell `at-the-end`.
 
 example: python -m tools.gallery 03        (without numbers: every lesson)
 """
@@ -15,11 +16,13 @@ from pathlib import Path
 from PIL import Image, PngImagePlugin
 
 from numpy_cae.atomic_write import atomic_write
-from numpy_cae.course.copies import choose_lessons
+from numpy_cae.course.copies import choose_lessons, write_notebook
 from numpy_cae.course.notebooks import number_of, read_notebook
 
 TAG = "gallery"
 MADE_OF = "made of"
+FIRST_PICTURE = "at-the-end"
+"""The cell with the picture with which a lesson begins: what one has at its end."""
 WIDTH = 480
 """A picture has so many pixels across at most."""
 HEIGHT = 320
@@ -56,6 +59,15 @@ def write_picture(notebook: dict, lesson: str | Path) -> Path:
     return path
 
 
+def attach_picture(notebook: dict, lesson: str | Path) -> None:
+    """Put a lesson's picture into its cell `at-the-end`, and write the lesson."""
+    picture = picture_path(lesson)
+    png = base64.b64encode(picture.read_bytes()).decode()
+    (cell,) = [cell for cell in notebook["cells"] if cell["id"] == FIRST_PICTURE]
+    cell["attachments"] = {picture.name: {"image/png": png}}
+    write_notebook(notebook, lesson)
+
+
 def picture_path(lesson: str | Path) -> Path:
     """lessons/pictures/03.png for lessons/03_convolution_by_hand.ipynb."""
     lesson = Path(lesson)
@@ -64,4 +76,6 @@ def picture_path(lesson: str | Path) -> Path:
 
 if __name__ == "__main__":
     for path in choose_lessons(Path(__file__).parents[1] / "lessons", sys.argv[1:]):
-        print(write_picture(read_notebook(path), path))
+        lesson_notebook = read_notebook(path)
+        print(write_picture(lesson_notebook, path))
+        attach_picture(lesson_notebook, path)

@@ -1,28 +1,25 @@
 """The lessons as pages of the site: articles in which the code of pictures is folded.
 
 A notebook in `lessons/` is copied with a line of downloads below its title. A solution, and a
-cell that draws a picture, gets the tag "hide-input". A picture without an alternative text in the
-metadata of its cell (`"mystnb": {"image": {"alt": ...}}`) gets one from the texts in the code that
-draws it. The index is made of the table and the pictures in `lessons/README.md`.
+cell that draws a picture, gets the tag "hide-input". The alternative texts of pictures stand in the
+metadata of their cells, under "alt". The index is made of the table and the pictures in
+`lessons/README.md`.
 """
 
-import ast
 import json
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
-from textwrap import shorten
 
-from numpy_cae.course.notebooks import as_text, find_lessons, number_of, read_notebook, student_copy
+from numpy_cae.course.notebooks import as_text, find_lessons, read_notebook, student_copy
 
-TEXTS = {"title", "set_title", "suptitle", "xlabel", "ylabel", "set_xlabel", "set_ylabel", "label",
-         "annotate", "text", "xticklabels", "set_xticklabels", "LiveCurve", "Actor"}  # fmt: skip
-"""Names of functions and arguments of Matplotlib and `numpy_cae.viz` whose strings are shown."""
 ROW = re.compile(r"^\| \[(\d\db?) ([^]]+)\]\((\w+)\.ipynb\)" + 4 * r" *\| *(.*?)" + r" *\|$", re.M)
 """A line of the table: number, title, file, what one writes, source, minutes, what it needs."""
 PICTURE = re.compile(r'<img src="pictures/(\d\db?)\.png" alt="\d\db?: ([^"]*)"')
+ATTACHED = re.compile(r"!\[([^]]*)\]\(attachment:([^)]*)\)")
+"""The picture with which a lesson begins: alternative text, file."""
 CARD = """<li><img src="../_static/{number}.png" alt="{picture}">
 <a href="{file}.html">{number} {title}</a><p>You write {writes}.</p>
 <p class="quiet">{minutes} minutes, needs {needs}</p></li>"""
@@ -55,37 +52,32 @@ def write_lessons(lessons: Path, site: Path, write: Callable[[Path, str], None])
         notebook = read_notebook(path)
         shutil.copy2(path, solved / path.name)
         (to_solve / path.name).write_text(as_text(student_copy(notebook)), encoding="utf-8")
-        article = _article(notebook, path.name, pictures[number_of(path)])
+        article = _article(notebook, path.name)
         write(site / path.name, json.dumps(article))
 
 
-def _article(notebook: dict, name: str, gallery: str) -> dict:
-    """The notebook with downloads, folded code and alternative texts.
-
-    `gallery` is the alternative text of the picture that the gallery shows.
-    """
-    text = ""  # the text before the cell
+def _article(notebook: dict, name: str) -> dict:
+    """The notebook with downloads, folded code and alternative texts."""
     for cell in notebook["cells"]:
-        if cell["cell_type"] == "markdown":
-            text = cell["source"]
+        if cell.pop("attachments", None):  # the picture of the gallery, which the site has
+            cell["source"] = ATTACHED.sub(r'<img alt="\1" src="../_static/\2">', cell["source"])
         if cell["metadata"].get("nbgrader", {}).get("solution"):  # read the exercise first
             cell["metadata"].setdefault("tags", []).append("hide-input")
         if any("image/png" in output.get("data", {}) for output in cell.get("outputs", ())):
-            _describe_picture(cell, text, gallery)
+            _describe_picture(cell)
     notebook["cells"].insert(1, _downloads_cell(name))
     notebook["metadata"]["html_theme.sidebar_secondary.remove"] = True  # room for wide code
     return notebook
 
 
-def _describe_picture(cell: dict, text: str, gallery: str) -> None:
-    """Fold the code of a picture, and give the picture an alternative text."""
+def _describe_picture(cell: dict) -> None:
+    """Fold the code of a picture, and give the picture its alternative text."""
     source = cell["source"]
     metadata = cell["metadata"]
     tags = metadata.setdefault("tags", [])
     if "def " not in source or metadata.get("jupyter", {}).get("source_hidden"):
         tags.append("hide-input")
-    image = metadata.setdefault("mystnb", {}).setdefault("image", {})
-    image.setdefault("alt", gallery if "gallery" in tags else alternative_text(source, text))
+    metadata["mystnb"] = {"image": {"alt": " ".join(metadata["alt"])}}
 
 
 def _downloads_cell(name: str) -> dict:
@@ -96,41 +88,6 @@ def _downloads_cell(name: str) -> dict:
     )
     source = f":::{{container}} downloads\n{downloads}\n:::"
     return {"cell_type": "markdown", "id": "downloads", "metadata": {}, "source": source}
-
-
-def alternative_text(source: str, before: str = "") -> str:
-    """What the code of a picture writes into it: titles, axes, lines. Where that is nothing, the
-    last paragraph before the picture, at most 250 characters of it."""
-    tree = ast.parse(re.sub(r"^[%!].*", "", source, flags=re.M))
-    texts = list(dict.fromkeys(_strings(tree)))
-    if not texts:
-        paragraph = before.strip().rpartition("\n\n")[2]
-        plain = re.sub(r"\]\([^)]*\)|[*`$\[\]]|<[^>]*>", "", paragraph)
-        texts = [shorten(plain, 250, placeholder=" …")]
-    return f"Picture: {'; '.join(texts)}"
-
-
-def _strings(tree: ast.AST) -> Iterator[str]:
-    """The strings that the calls of a cell show."""
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.Call):
-            continue
-        name = getattr(node.func, "attr", getattr(node.func, "id", ""))
-        arguments = [*node.args] if name in TEXTS else []
-        arguments += [keyword.value for keyword in node.keywords if keyword.arg in TEXTS]
-        for argument in arguments:
-            text = _constant_parts(argument)
-            if text.strip():
-                yield " ".join(text.replace("$", "").split())
-
-
-def _constant_parts(argument: ast.expr) -> str:
-    """A string, or of an f-string the parts that are written out; "" of anything else."""
-    texts = []
-    for part in getattr(argument, "values", [argument]):
-        if isinstance(part, ast.Constant) and isinstance(part.value, str):
-            texts.append(part.value)
-    return "".join(texts)
 
 
 def _code_as_html(text: str) -> str:

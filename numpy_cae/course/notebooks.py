@@ -30,7 +30,7 @@ def find_lessons(folder: str | Path) -> list[Path]:
 
 
 def find_milestones(folder: str | Path) -> list[Path]:
-    """The milestones in a folder, such as milestone_07.ipynb."""
+    """The milestones in a folder, such as milestone_08.ipynb."""
     return sorted(Path(folder).glob(MILESTONES))
 
 

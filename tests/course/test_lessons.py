@@ -14,14 +14,18 @@ in a lesson's text or formulas has to stand in a code cell of the same lesson, t
   addresses of links are not compared.
 """
 
+import base64
 import hashlib
+import html
 import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
+from numpy_cae import viz
 from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import EXERCISES
 from numpy_cae.course.catalogue import LESSONS as EXERCISES_OF
@@ -32,18 +36,19 @@ from numpy_cae.course.notebooks import (
     read_notebook,
     student_copy,
 )
+from numpy_cae.motion import PARENTS
 from numpy_cae.verify.grading.student_file import grade
 from numpy_cae.verify.grading.submission import is_exercise
 from tools.exam import exam
 from tools.execute_lessons import execute, mine_before, shorten, source_hash
-from tools.gallery import MADE_OF, picture_of, picture_path
+from tools.gallery import FIRST_PICTURE, MADE_OF, picture_of, picture_path
 from tools.gift import QUIZ, as_gift
-from tools.slides import deck, slides_of
+from tools.slides import MOTIONS, NOTE, STEP, deck, slides_of, unpack_motions, with_still
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 LESSONS = find_lessons(FOLDER)
 DRAWS = ("plt.show()", "viz.strip_figure(", "viz.in_notebook(", "viz.slider_figure(")
-LARGEST, LARGEST_PICTURE = 1_500_000, 70_000
+LARGEST, LARGEST_PICTURE = 1_550_000, 70_000  # a lesson begins with a copy of its picture
 
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 AND_MILESTONES = [*LESSONS, *sorted(FOLDER.glob(MILESTONES))]
@@ -98,8 +103,22 @@ def test_its_picture_in_the_gallery_is_of_its_outputs(path):
     with Image.open(picture) as stored:
         assert stored.info[MADE_OF] == shown, f"run: python -m tools.gallery {number}"
     assert picture.stat().st_size < LARGEST_PICTURE
+    (cell,) = [each for each in read_notebook(path)["cells"] if each["id"] == FIRST_PICTURE]
+    attached = cell["attachments"][f"{number}.png"]["image/png"]
+    assert base64.b64decode(attached) == picture.read_bytes(), f"python -m tools.gallery {number}"
+    assert f"](attachment:{number}.png)" in cell["source"]
     listed = f'<a href="{path.name}"><img src="pictures/{number}.png"'
     assert listed in FOLDER.joinpath("README.md").read_text(encoding="utf-8")
+
+
+@every_notebook
+def test_every_picture_has_an_alternative_text_of_its_own(path):
+    texts = []
+    for cell in read_notebook(path)["cells"]:
+        for output in cell.get("outputs", ()):
+            if "image/png" in output.get("data", {}):
+                texts.append(output["metadata"]["image/png"]["alt"])
+    assert min(map(len, texts)) > 30 and len(set(texts)) == len(texts)
 
 
 @every_lesson
@@ -163,11 +182,36 @@ def test_lesson_00_ends_with_the_glossary():
 def test_a_deck_has_a_thought_a_slide_and_needs_no_network(path):
     slides = slides_of(path)
     assert 8 <= len(slides) <= 14 and all(slide.startswith("# ") for slide in slides)
-    assert max(len(re.sub(r"\$\$.*?\$\$", "", each, flags=re.S).split()) for each in slides) < 40
+    shown = [re.sub(r"\$\$.*?\$\$", "", NOTE.split(each)[0], flags=re.DOTALL) for each in slides]
+    assert max(len(each.split()) for each in shown) < 40
     pytest.importorskip("mdit_py_plugins")
     page = deck(path)
     assert page.count("<section>") == len(slides) and "BEGIN SOLUTION" not in page
     assert not re.findall(r"""(?:src|href)=["']https?:""", page)
+
+
+@every_lesson
+def test_a_deck_has_notes_an_equation_in_steps_and_a_question_before_its_answer(path):
+    slides = [NOTE.split(slide) for slide in slides_of(path)]
+    assert all(len(parts) == 2 and parts[1].strip() for parts in slides), "a note for each slide"
+    first_steps = [STEP.split(shown) for shown, _ in slides]
+    assert any(len(steps) > 1 and "?" in steps[0] for steps in first_steps)
+    assert any(len(steps) > 1 and "$$" in steps[0] for steps in first_steps)
+
+
+def test_an_animation_is_printed_as_its_poses():
+    rng = np.random.default_rng(0)
+    walk = np.cumsum(rng.normal(0, 0.01, (40, 20, 3)), axis=0)
+    actors = [viz.Actor(walk, PARENTS, "a"), viz.Actor(walk[:30] + 0.1, PARENTS, "b", viz.TRUTH)]
+    player = viz.in_notebook(actors, 30)._repr_html_()
+    assert with_still(player, "a walk").count('class="still" alt="a walk"') == 1
+    data = json.loads(MOTIONS.search(html.unescape(player))[1])
+    first, second = unpack_motions(data["motions"], data["frames"])
+    np.testing.assert_allclose(first.positions, walk, atol=5e-4)
+    held = np.concatenate([walk[:30] + 0.1, np.repeat(walk[29:30] + 0.1, 10, axis=0)])
+    np.testing.assert_allclose(second.positions, held, atol=5e-4)
+    assert (second.label, second.colour, second.parents) == ("b", viz.TRUTH, PARENTS)
+    assert with_still("<p>no motion</p>", "") == "<p>no motion</p>"
 
 
 @every_lesson

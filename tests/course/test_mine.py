@@ -168,5 +168,5 @@ def test_progress_counts_what_is_in_mine(mine, capsys):
     mine.write_text(mine_before(lesson), encoding="utf-8")
     course.progress()
     count, made, after = capsys.readouterr().out.splitlines()
-    assert count == "5 of 66 functions are yours" and made.endswith("positions from a motion file.")
+    assert count == "5 of 63 functions are yours" and made.endswith("positions from a motion file.")
     assert after == "Next: the features and the way back (lesson 02)."

@@ -4,6 +4,8 @@
 
 import numpy as np
 
+from numpy_cae.ops import sigmoid  # lesson 09 has it
+
 
 def square(x):
     return x * x, lambda dy: dy * 2.0 * x
@@ -334,6 +336,16 @@ def complete(x, known, project, interpolate, rounds):
     return out
 
 
+def hidden_from_visible(visible, hidden, complete, ridge):
+    there = np.flatnonzero(complete)
+    X, Y = visible[there], hidden[there]
+    mx, my = X.mean(0), Y.mean(0)
+    u, s, vt = np.linalg.svd(X - mx, full_matrices=False)
+    keep = s / (s**2 + ridge * np.sum(s**2))
+    B = vt.T @ (keep[:, None] * (u.T @ (Y - my)))
+    return np.array([my + (row - mx) @ B for row in visible])
+
+
 def G(y_0, y_1):
     total = 0.0
     for k in range(y_0.shape[1]):
@@ -357,12 +369,6 @@ def norms_through_time(pull, dh, frames):
         dh = pull(t, dh)
         norms.append(np.sqrt((dh**2).sum()))
     return np.array(norms[::-1])
-
-
-def sigmoid(x):
-    e = np.exp(-np.abs(x))
-    y = np.where(x >= 0, 1 / (1 + e), e / (1 + e))
-    return y, lambda dy: dy * y * (1 - y)
 
 
 def gate_gradients(dh_next, h, r, z, n, s_n):
@@ -476,10 +482,6 @@ def wasserstein_1d(p, q):
     return np.mean((p - partner) ** 2), lambda dloss=1.0: dloss * 2 * (p - partner) / len(p)
 
 
-def unit_rows(drawn):
-    return np.array([row / np.sqrt(row @ row) for row in drawn])
-
-
 def sliced_wasserstein(z, prior, directions):
     loss, dz = 0.0, np.zeros_like(z)
     for theta in directions:
@@ -543,26 +545,6 @@ def check_gradients(f, inputs):
         scale = np.abs(right).max() + np.abs(got[k]).max()
         if not np.all(np.abs(got[k] - right) <= 1e-6 * scale):
             raise AssertionError(f"{name}: gradient wrong")
-
-
-def conv1d_unfolded(x, w, b):
-    rows = unfold(x, len(w))
-    return (
-        np.dot(rows.reshape(-1, rows.shape[-1]), np.concatenate(list(w))).reshape(*x.shape[:2], -1)
-        + b
-    )
-
-
-def conv1d_shifted(x, w, b):
-    K, T = len(w), x.shape[1]
-    p = np.concatenate(
-        [np.zeros_like(x[:, :1].repeat(K // 2, 1)), x, np.zeros_like(x[:, :1].repeat(K // 2, 1))],
-        axis=1,
-    )
-    y = np.zeros((len(x), T, len(b))) + b
-    for k in range(K):
-        y += np.einsum("btc,cd->btd", p[:, k : k + T], w[k])
-    return y
 
 
 def three_products(a, b, p, q, multiply):

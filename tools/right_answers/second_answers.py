@@ -1,10 +1,13 @@
 """Another right answer to each exercise, as a student may hand it in: unlike the key."""
 
-# ruff: noqa: B023, B905, RUF059 -- students write so
+# ruff: noqa: B023, B905 -- students write so
 
 import numpy as np
 
-from numpy_cae.ops import linear
+from numpy_cae.ops import (
+    linear,
+    sigmoid,  # lesson 09 has it
+)
 
 
 def square(x):
@@ -388,6 +391,17 @@ def complete(x, known, project, interpolate, rounds):
     return np.where(known, x, before + interpolate(np.where(known, x, 0) - before, known))
 
 
+def hidden_from_visible(visible, hidden, complete, ridge):
+    from_x, to_y = visible[complete], hidden[complete]
+    centre, target = np.average(from_x, axis=0), np.average(to_y, axis=0)
+    from_x, to_y = from_x - centre, to_y - target
+    size = np.sqrt(ridge * np.sum(from_x * from_x))
+    more = size * np.identity(visible.shape[1])
+    nothing = np.zeros((visible.shape[1], hidden.shape[1]))
+    weights, *_ = np.linalg.lstsq(np.vstack([from_x, more]), np.vstack([to_y, nothing]), rcond=None)
+    return np.matmul(visible - centre, weights) + target
+
+
 def G(y_0, y_1):
     a = np.r_[np.max(y_0, 0), np.min(y_0, 0)] - np.r_[np.max(y_1, 0), np.min(y_1, 0)]
     return float(a @ a)
@@ -405,17 +419,6 @@ def norms_through_time(pull, dh, frames):
         if t == 0:
             return np.asarray(out)
         dh, t = pull(t, dh), t - 1
-
-
-def sigmoid(x):
-    y = np.empty_like(x)
-    y[x >= 0] = 1 / (1 + np.exp(-x[x >= 0]))
-    y[x < 0] = np.exp(x[x < 0]) / (1 + np.exp(x[x < 0]))
-
-    def back(dy):
-        return (y - y**2) * dy
-
-    return y, back
 
 
 def gate_gradients(dh_next, h, r, z, n, s_n):
@@ -593,10 +596,6 @@ def wasserstein_1d(p, q):
     return (gap**2).sum() / gap.size, back
 
 
-def unit_rows(drawn):
-    return (drawn.T / np.linalg.norm(drawn, axis=1)).T
-
-
 def sliced_wasserstein(z, prior, directions):
     a, b = z @ directions.T, np.sort(prior @ directions.T, axis=0)
     order = np.argsort(a, axis=0)
@@ -666,24 +665,6 @@ def check_gradients(f, inputs):
         assert np.linalg.norm(gradient - numeric) <= 1e-6 * np.linalg.norm(
             numeric
         ) + 1e-6 * np.linalg.norm(gradient), f"gradient for {name}"
-
-
-def conv1d_unfolded(x, w, b):
-    K, C, D = w.shape
-    return np.einsum("btr,rd->btd", unfold(x, K), w.reshape(-1, D)) + b
-
-
-def conv1d_shifted(x, w, b):
-    y = np.tile(b, (*x.shape[:2], 1))
-    for k, m in enumerate(w):
-        s = k - len(w) // 2
-        shifted = np.zeros_like(x)
-        if s >= 0:
-            shifted[:, : max(0, x.shape[1] - s)] = x[:, s:]
-        else:
-            shifted[:, -s:] = x[:, :s]
-        y = y + shifted @ m
-    return y
 
 
 def three_products(a, b, p, q, multiply):

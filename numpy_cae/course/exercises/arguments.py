@@ -24,7 +24,7 @@ import numpy as np
 
 from numpy_cae.course.exercises.checks import Recorded
 from numpy_cae.course.solutions.building_blocks import to_features
-from numpy_cae.course.solutions.second_paper import block_matrices, unit_rows
+from numpy_cae.course.solutions.second_paper import block_matrices
 from numpy_cae.models.sequential_autoencoder import Weights, weight_shapes
 from numpy_cae.verify.operations.case import ORDINARY, Case
 from numpy_cae.verify.operations.operation import OPERATIONS
@@ -330,7 +330,8 @@ def decoder(case: Case, rng: np.random.Generator, arguments: Arguments) -> Weigh
 
 def random_directions(case: Case, rng: np.random.Generator, arguments: Arguments) -> np.ndarray:
     """Unit vectors, one a row."""
-    return unit_rows(rng.uniform(-1.0, 1.0, (case["directions"], case["latent"])))
+    drawn = rng.uniform(-1.0, 1.0, (case["directions"], case["latent"]))
+    return drawn / np.linalg.norm(drawn, axis=1, keepdims=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -153,6 +153,14 @@ def _unknown_values_ignored(function, case, x, known, **further):
         raise AssertionError("NaN in place of the unknown values of x changes what it returns")
 
 
+@register_check("hidden_from_visible", "hidden is NaN")
+def _unknown_rows_ignored(function, case, visible, hidden, complete, ridge):
+    number = function(visible, hidden, complete, ridge)
+    with_nan = np.where(complete[:, None], hidden, np.nan)
+    if not agrees(function(visible, with_nan, complete, ridge), number):
+        raise AssertionError("NaN in place of the unknown rows of hidden changes what it returns")
+
+
 @register_check("adjoint_gap", "right ones")
 def _no_gap(function, case, f, x, y):
     gap = function(Matrix(f.a, f.a), x, y)
@@ -196,8 +204,8 @@ def _inputs_stay(check_gradients, case, seed):
 
 
 @register_check("three_products", "three")
-def _three_calls(function, case, a, b, p, q, multiply):
-    function(a, b, p, q, multiply)
+def _three_calls(function, case, alpha, beta, p, q, multiply):
+    function(alpha, beta, p, q, multiply)
     if len(multiply.calls) != 3:
         raise AssertionError(f"multiply is called {len(multiply.calls)} times, expected 3")
 

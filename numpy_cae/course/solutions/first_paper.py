@@ -1,4 +1,7 @@
-"""The solutions of lessons 05 to 08: the network of the first paper, and what it is used for."""
+"""The solutions of lessons 05 to 08: the network of the first paper, and what it is used for.
+
+The last two are those of lesson 14, which compares motions.
+"""
 
 import numpy as np
 
@@ -199,6 +202,17 @@ def denoising_weights(second, cross, kept):
     m = kept**2 * second
     np.fill_diagonal(m, kept * np.diag(second))
     return np.linalg.solve(m, kept * cross)
+
+
+def hidden_from_visible(visible, hidden, complete, ridge):
+    """The mean and x B, with B = (XᵀX + λ tr(XᵀX) I)⁻¹ Xᵀ Y of the complete frames."""
+    mean = hidden[complete].mean(axis=0)
+    x = visible - visible[complete].mean(axis=0)
+    rows = x[complete]
+    moments = rows.T @ rows
+    moments = moments + ridge * np.trace(moments) * np.eye(len(moments))
+    b = np.linalg.solve(moments, rows.T @ (hidden[complete] - mean))
+    return mean + x @ b
 
 
 def G(y_0, y_1):

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from numpy_cae.course.solutions.building_blocks import unfold
 from numpy_cae.course.suspects import accuse as accuse
 from numpy_cae.ops import gru, gru_step, linear, mean_squared_error, sliced_wasserstein
 
@@ -117,11 +116,6 @@ def wasserstein_1d(p, q):
     return np.mean(gap * gap), pullback
 
 
-def unit_rows(drawn):
-    """Each row divided by its length."""
-    return drawn / np.sqrt(np.sum(drawn * drawn, axis=1, keepdims=True))
-
-
 def regularised_loss(weights, x, prior, directions, weight):
     """Reconstruction + λ · discrepancy, and its gradients by name."""
     z, read_back = read_clips(weights, x)
@@ -171,24 +165,11 @@ def check_gradients(f, inputs):
         assert gap <= allowed, f"the gradient for {name} is wrong, by {gap:.2g}"
 
 
-def conv1d_unfolded(x, w, b):
-    """The rows of `unfold` times the filters as one matrix."""
-    taps, channels, filters = w.shape
-    return unfold(x, taps) @ w.reshape(taps * channels, filters) + b
-
-
-def conv1d_shifted(x, w, b):
-    """A product for every tap."""
-    frames, taps = x.shape[1], len(w)
-    padded = np.pad(x, ((0, 0), (taps // 2, taps // 2), (0, 0)))
-    return sum(padded[:, k : k + frames] @ w[k] for k in range(taps)) + b
-
-
-def three_products(a, b, p, q, multiply):
-    """Real and imaginary part of (a + i b)(p + i q), after Gauss."""
-    m1 = multiply(a + b, p)
-    m2 = multiply(a, q - p)
-    m3 = multiply(b, p + q)
+def three_products(alpha, beta, p, q, multiply):
+    """Real and imaginary part of (α + i β)(p + i q), after Gauss."""
+    m1 = multiply(alpha + beta, p)
+    m2 = multiply(alpha, q - p)
+    m3 = multiply(beta, p + q)
     return m1 - m3, m1 + m2
 
 
