@@ -32,10 +32,10 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap.load import load_motion
 from numpy_cae.motion import Motion
 
-READING_SHARE, REPAIR_SHARE = 0.08, 0.65
-"""The shares of the time that reading and a plain repair take, of twenty minutes of motion; the
-rest is writing."""
-SLOW_READING_SHARE, SLOW_REPAIR_SHARE = 0.03, 0.84
+READING_SHARE, REPAIR_SHARE = 0.04, 0.9
+"""The shares of the time that reading and a plain repair take, of three minutes of damaged motion;
+the rest is writing."""
+SLOW_READING_SHARE, SLOW_REPAIR_SHARE = 0.03, 0.92
 """The same of a repair with smoothing and feet."""
 
 
