@@ -53,7 +53,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Make a test of each property."""
     if _is_marked(metafunc.function) and PROPERTY in metafunc.fixturenames:
         properties = vars(metafunc.function)["operation_test"]
-        cases = [pytest.param(prop, id=prop.name, marks=prop.marks) for prop in properties]
+        cases = [
+            pytest.param(property_, id=property_.name, marks=property_.marks)
+            for property_ in properties
+        ]
         metafunc.parametrize(PROPERTY, cases)
 
 
@@ -88,7 +91,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
     names = [name for name in inspect.signature(function).parameters if name != "self"]
     fixtures: dict[str, Any] = {name: pyfuncitem.funcargs[name] for name in names}
-    prop = fixtures.pop(PROPERTY)
+    property_ = fixtures.pop(PROPERTY)
 
     def operation(*arrays: Any) -> Any:
         if _takes_arrays_by_name(function):
@@ -99,7 +102,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     operation.__wrapped__ = function  # type: ignore[attr-defined]
     operation.__name__ = function.__name__
     try:
-        check_property(prop, operation, vars(function).setdefault("operation_crashes", set()))
+        check_property(property_, operation, vars(function).setdefault("operation_crashes", set()))
     except AssertionError as error:  # without a traceback: lines of numpy_cae would not help
         raise pytest.fail.Exception(str(error), pytrace=False) from None
     return True

@@ -46,7 +46,7 @@ class Feedback(Report):
     def _repr_html_(self) -> str:
         title = TITLE.format(self._colour(), escape(" ".join(self.title().split())))
         if self.held:
-            statements = [f"{o.stated.name}: {o.stated.statement}" for o in self.outcomes]
+            statements = [f"{o.property_.name}: {o.property_.statement}" for o in self.outcomes]
             return title + FOLDED.format("what was checked", _text("\n".join(statements)))
         first, *further = self.items()
         hint = _text(further.pop()) if self.exercise.hint else ""

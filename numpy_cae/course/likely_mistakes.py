@@ -64,7 +64,7 @@ def likely_mistake(tested: Property, implementation: Callable, exercise: Exercis
     implementation does, the solution in several cases does not, and the implementation fails where
     the mistake is caught, too.
     """
-    property_named = {prop.name: prop for prop in exercise.properties}
+    property_named = {property_.name: property_ for property_ in exercise.properties}
     for observe in (_observe_one_call, _observe_every_call):
         for patch in _patches_that_do_the_same(tested, implementation, exercise, observe):
             caught_by = property_named[patch.caught_by]

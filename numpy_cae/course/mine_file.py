@@ -114,8 +114,8 @@ def save(name: str, function: Callable) -> bool:
 
 def _require_complete(name: str, saved: Callable) -> None:
     """Raise a NotSavedError unless a function of mine.py works as it did in its notebook."""
-    for stated in EXERCISES[name].properties:
-        error = failure(stated, saved, stated.cases()[0])
+    for property_ in EXERCISES[name].properties:
+        error = failure(property_, saved, property_.cases()[0])
         if error is not None:
             problem = str(error) if isinstance(error, AssertionError) else error_text(error)
             raise NotSavedError(f"{problem}. Define what it needs in its own cell")

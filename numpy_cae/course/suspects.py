@@ -27,13 +27,15 @@ class Suspect:
 
     def objection(self, named: object) -> str:
         """Why the name of a property is no answer; "" if the operation violates that property."""
-        stated = {prop.name: prop for prop in properties_of_operation(self.operation)}
+        properties = {
+            property_.name: property_ for property_ in properties_of_operation(self.operation)
+        }
         if named == CATCH_ALL:
             return f"{CATCH_ALL!r} tests every result: name the property that the mistake is about"
-        if named not in stated:
-            names = ", ".join(name for name in stated if name != CATCH_ALL)
+        if named not in properties:
+            names = ", ".join(name for name in properties if name != CATCH_ALL)
             return f"{self.operation} has no property {named!r}; it has {names}"
-        meant = [stated[name] for name in MEANT.get(named, (named,))]
+        meant = [properties[name] for name in MEANT.get(named, (named,))]
         for tested in meant:
             if failing_case(tested, self._bug.function()) is not None:
                 return ""

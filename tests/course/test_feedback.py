@@ -65,7 +65,7 @@ def test_what_the_student_reads_is_no_riddle():
         x *= x
         return x, lambda dy: 2 * x * dy
 
-    assert course.report("square", in_place).failing()[0].stated.name == "purity"
+    assert course.report("square", in_place).failing()[0].property_.name == "purity"
 
 
 def test_tab_completion_and_source_show_no_solution():

@@ -88,7 +88,7 @@ def test_the_command_grades_folders_and_goes_on_where_a_file_is_missing(tmp_path
 def test_a_right_function_that_is_too_slow_for_the_largest_size_keeps_what_it_earned(graded):
     slow = RIGHT.replace("    y = ", "    while x.size > 9999: pass\n    y = ")
     (report,) = graded(slow, cpu_seconds=2.0).reports
-    held = {outcome.stated.name for outcome in report.outcomes if outcome.held}
+    held = {outcome.property_.name for outcome in report.outcomes if outcome.held}
     assert {"value", "gradient for x", "purity"} <= held and not report.held
     assert report.points >= 8 and "smaller cases were right" in str(report)
 

@@ -22,7 +22,7 @@ def test_a_report_shows_points_counterexample_and_mistake():
     report = verify.report("conv1d", my_conv1d)
     assert (report.points, report.possible, report.held) == (6, 16, False)
     failed, special = (outcome for outcome in report.outcomes if not outcome.held)
-    assert (failed.stated.name, special.stated.name) == ("gradient for b", "special inputs")
+    assert (failed.property_.name, special.property_.name) == ("gradient for b", "special inputs")
     assert special.counterexample.startswith("batch 1, frames 2, channels 1, filters 1, taps 1")
     assert failed.mistake == ""  # no planted bug takes the mean over windows and frames
     text = str(report)
@@ -73,7 +73,7 @@ def off_by_little(x):
 
 def test_an_altered_upstream_gradient_is_told_first_and_no_wrong_adjoint():
     alters = lambda y: (ops.unpool_even(y)[0], lambda d: (ops.unpool_even(y)[1](d), d.fill(0))[0])  # noqa: E731
-    assert verify.report("unpool_even", alters).failing()[0].stated.name == "purity"
+    assert verify.report("unpool_even", alters).failing()[0].property_.name == "purity"
 
 
 def test_numbers_have_the_digits_that_differ_and_the_worst_entry_is_shown():

@@ -103,25 +103,25 @@ def _properties(solution: Callable, entries: Mapping) -> Sequence[Property]:
     """Those of an operation if a function returns a value and its pullback, else those stated."""
     operation = _as_operation(solution, entries)
     if operation.differentiated and "returns" not in entries:
-        return [_without_tiny_in_float32(stated) for stated in shared_properties(operation)]
-    stated = dict(entries.get("properties", {}))
+        return [_without_tiny_in_float32(property_) for property_ in shared_properties(operation)]
+    forms = dict(entries.get("properties", {}))
     for entry, default in (("float32", False), ("pure", True)):
         if entries.get(entry, default):
-            stated |= SHARED_PROPERTIES[entry]
+            forms |= SHARED_PROPERTIES[entry]
     returns = tuple(entries.get("returns", ()))
     properties = []
-    for name, form in stated.items():
+    for name, form in forms.items():
         form = {"states": form} if isinstance(form, str) else form
         properties.append(_property(operation, returns, name, form))
     return properties
 
 
-def _without_tiny_in_float32(stated: Property) -> Property:
+def _without_tiny_in_float32(property_: Property) -> Property:
     """The property; that of the dtype without tiny numbers, whose order float32 may change."""
-    if stated.name != "dtype" or "values" not in stated.sizes:
-        return stated
-    values = tuple(name for name in stated.sizes["values"] if name != "tiny")
-    return replace(stated, sizes={**stated.sizes, "values": values})
+    if property_.name != "dtype" or "values" not in property_.sizes:
+        return property_
+    values = tuple(name for name in property_.sizes["values"] if name != "tiny")
+    return replace(property_, sizes={**property_.sizes, "values": values})
 
 
 def _as_operation(solution: Callable, entries: Mapping) -> Operation:

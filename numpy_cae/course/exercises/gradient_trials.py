@@ -43,12 +43,12 @@ class Trial:
 
         f closes over the arguments that get no gradient.
         """
-        stated = OPERATIONS[self.operation]
-        implementation = self.bug.function() if self.bug else stated.reference
-        numbers = [name for name, options in stated.sizes.items() if isinstance(options[0], int)]
+        operation = OPERATIONS[self.operation]
+        implementation = self.bug.function() if self.bug else operation.reference
+        numbers = [name for name, options in operation.sizes.items() if isinstance(options[0], int)]
         sizes = tuple((name, LONGER.get(name, 2)) for name in numbers)
-        arguments: dict[str, Any] = stated.arguments(Case(sizes, seed))
-        inputs = {name: self.scale * arguments[name] for name in stated.differentiated}
+        arguments: dict[str, Any] = operation.arguments(Case(sizes, seed))
+        inputs = {name: self.scale * arguments[name] for name in operation.differentiated}
         if "x" in arguments:
             arguments["x"] = self.scale * arguments["x"]
         if "first" in arguments:  # a mask of one value would hide what is wrong at the other

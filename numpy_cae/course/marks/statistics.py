@@ -40,5 +40,5 @@ def count_failures(reports: Sequence[Report]) -> Counter[str]:
     """How many reports have each property as one that does not hold."""
     failures: Counter[str] = Counter()
     for report in reports:
-        failures.update(outcome.stated.name for outcome in report.failing())
+        failures.update(outcome.property_.name for outcome in report.failing())
     return failures

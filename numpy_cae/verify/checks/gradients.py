@@ -284,7 +284,7 @@ def _judge(
 ) -> Iterator[Mismatch]:
     """Judge each direction; say where the numbers disagree most."""
     judged = _judge_directions(argument, _directions(argument, rng))
-    tried = len(judged)
+    number_judged = len(judged)
     wrong = _of_kind(WRONG, judged)
     of_what = "entries"
     if argument.x.size > EVERY_ENTRY_UP_TO:
@@ -292,28 +292,30 @@ def _judge(
         if _of_kind(KINK, judged):  # a direction has the kinks of all entries
             chosen = rng.choice(argument.x.size, EVERY_ENTRY_UP_TO, replace=False)
             judged = _judge_directions(argument, _entries(argument.x, chosen))
-            tried = len(wrong) + EVERY_ENTRY_UP_TO
+            number_judged = len(wrong) + EVERY_ENTRY_UP_TO
             wrong += _of_kind(WRONG, judged)
     kinks = _of_kind(KINK, judged)
     undecided = _of_kind(UNDECIDED, judged)
     if wrong:
         index, verdict = _trace(argument, *_worst_of(wrong))
         if verdict.kind == WRONG or (verdict.kind == AGREES and argument.epsilon < SINGLE):
-            share = f"wrong in {len(wrong)} of {tried} {of_what}"
+            share = f"wrong in {len(wrong)} of {number_judged} {of_what}"
             yield _wrong_slope(argument, index, verdict, share)
-    elif len(kinks) > max(1, int(kinks_excused * tried)) or _are_all(kinks, tried, kinks_excused):
+    elif len(kinks) > max(1, int(kinks_excused * number_judged)) or _are_all(
+        kinks, number_judged, kinks_excused
+    ):
         index, verdict = _trace(argument, *kinks[0])
-        yield _too_many_kinks(argument, index, verdict, f"{len(kinks)} of {tried} entries")
-    elif kinks_excused < 1 and 2 * len(undecided) > tried:
+        yield _too_many_kinks(argument, index, verdict, f"{len(kinks)} of {number_judged} entries")
+    elif kinks_excused < 1 and 2 * len(undecided) > number_judged:
         first = f"the gradient for {argument.name}, shape {argument.x.shape}, is undecided in"
         last = "differences of the value scatter too much: choose other inputs"
-        text = f"{first} {len(undecided)} of {tried} {of_what}\n    {last}"
+        text = f"{first} {len(undecided)} of {number_judged} {of_what}\n    {last}"
         yield Mismatch(UNDECIDED, argument.name, text)
 
 
-def _are_all(kinks: Sequence[Judged], tried: int, kinks_excused: float) -> bool:
+def _are_all(kinks: Sequence[Judged], number_judged: int, kinks_excused: float) -> bool:
     """Whether every entry is at a kink, so that any pullback would pass, where not all may be."""
-    return kinks_excused < 1 and 0 < tried == len(kinks)
+    return kinks_excused < 1 and 0 < number_judged == len(kinks)
 
 
 def _worst_of(wrong: Sequence[Judged]) -> Judged:

@@ -65,17 +65,17 @@ class Report:
         A property about the value earns its points alone, a gradient only if all of those hold,
         any other property only if values and gradients are right.
         """
-        failing_groups = [outcome.stated.group for outcome in self.outcomes if not outcome.held]
+        failing_groups = [outcome.property_.group for outcome in self.outcomes if not outcome.held]
         first_failing = min(failing_groups, default=REST)
         points = []
         for outcome in self.outcomes:
-            counts = outcome.held and outcome.stated.group <= first_failing
-            points.append(outcome.stated.points if counts else 0)
+            counts = outcome.held and outcome.property_.group <= first_failing
+            points.append(outcome.property_.points if counts else 0)
         return points
 
     @property
     def possible(self) -> int:
-        return round(sum(outcome.stated.points for outcome in self.outcomes))
+        return round(sum(outcome.property_.points for outcome in self.outcomes))
 
     @property
     def held(self) -> bool:
@@ -103,8 +103,8 @@ class Report:
         if self.unsolved:
             items.append("  not solved yet. What will be checked:")
             for outcome in self.outcomes:
-                head = f"  - {outcome.stated.name}: "
-                items.append(_wrap(head, outcome.stated.statement, INDENT))
+                head = f"  - {outcome.property_.name}: "
+                items.append(_wrap(head, outcome.property_.statement, INDENT))
         elif not self.held:
             items += self._failures()
         if self.exercise.hint and not self.held:
@@ -114,11 +114,11 @@ class Report:
     def _failures(self) -> Iterator[str]:
         """The first failing property in full, the others in short, and which hold."""
         first, *further = self.failing()
-        head = f"  FAILED  {first.stated.name}: "
-        yield "\n".join([_wrap(head, first.stated.statement, INDENT), *_describe_failure(first)])
+        head = f"  FAILED  {first.property_.name}: "
+        yield "\n".join([_wrap(head, first.property_.statement, INDENT), *_describe_failure(first)])
         names_of: dict[tuple[str, str], list[str]] = {_reason(first): []}
         for outcome in further:
-            names_of.setdefault(_reason(outcome), []).append(outcome.stated.name)
+            names_of.setdefault(_reason(outcome), []).append(outcome.property_.name)
         if same_reason := names_of.pop(_reason(first)):
             yield _wrap("  FAILED  for the same reason: ", ", ".join(same_reason), INDENT)
         for (problem, mistake), names in names_of.items():
@@ -127,9 +127,9 @@ class Report:
                 likely = _wrap(" " * INDENT + "likely:   ", mistake, 2 * INDENT + 2)
                 item = f"{item}\n{likely}"
             yield item
-        if untried := [o.stated.name for o in self.outcomes if not o.held and not o.problem]:
+        if untried := [o.property_.name for o in self.outcomes if not o.held and not o.problem]:
             yield _wrap("  not tried: ", ", ".join(untried), INDENT)
-        if holding := [o.stated.name for o in self.outcomes if o.held]:
+        if holding := [o.property_.name for o in self.outcomes if o.held]:
             yield _wrap("  hold: ", ", ".join(holding), INDENT)
         pairs = zip(self.outcomes, self.points_earned(), strict=True)
         if any(outcome.held and not points for outcome, points in pairs):
@@ -142,7 +142,7 @@ class Report:
         """
 
         def place(outcome: Outcome) -> int:
-            return (outcome.stated.name == LARGEST) - (outcome.kind == ALTERED)
+            return (outcome.property_.name == LARGEST) - (outcome.kind == ALTERED)
 
         failing = [outcome for outcome in self.outcomes if outcome.problem and not outcome.held]
         return sorted(failing, key=place)
@@ -158,7 +158,7 @@ def _describe_failure(outcome: Outcome) -> Iterator[str]:
     yield from _titled_lines("what:", outcome.problem)[:PROBLEM_LINES]
     yield from _titled_lines("smallest:", outcome.counterexample)[:EXAMPLE_LINES]
     yield from _titled_lines("likely:", outcome.mistake)[:HINT_LINES]
-    yield from _titled_lines("hint:", outcome.stated.hint)[:HINT_LINES]
+    yield from _titled_lines("hint:", outcome.property_.hint)[:HINT_LINES]
 
 
 def _titled_lines(title: str, text: str) -> list[str]:
@@ -216,7 +216,7 @@ def report(operation: str | Exercise, function: Callable, called: str | None = N
     >>> tanh_report = verify.report("tanh", tanh)
     >>> tanh_report.points, tanh_report.possible
     (2, 11)
-    >>> tanh_report.outcomes[1].stated.name, tanh_report.outcomes[1].mistake
+    >>> tanh_report.outcomes[1].property_.name, tanh_report.outcomes[1].mistake
     ('gradient for x', 'The derivative is 1 - x², where it should be 1 - y².')
     """
     exercise = find_exercise(operation)
@@ -236,28 +236,28 @@ def try_all(
     outcomes: list[Outcome] = []
     outcomes.append(_try_next(first, function, outcomes, begin))
     if outcomes[0].kind == UNSOLVED:
-        unsolved = [Outcome(stated, False, UNSOLVED, kind=UNSOLVED) for stated in further]
+        unsolved = [Outcome(property_, False, UNSOLVED, kind=UNSOLVED) for property_ in further]
         return (*outcomes, *unsolved)
     if not _answers(first, function):
-        return (*outcomes, *(Outcome(stated, False) for stated in further))
-    for stated in further:
-        outcomes.append(_try_next(stated, function, outcomes, begin))
+        return (*outcomes, *(Outcome(property_, False) for property_ in further))
+    for property_ in further:
+        outcomes.append(_try_next(property_, function, outcomes, begin))
     return tuple(outcomes)
 
 
 def _try_next(
-    stated: Property, function: Callable, outcomes: Sequence[Outcome], begin: Begin | None
+    property_: Property, function: Callable, outcomes: Sequence[Outcome], begin: Begin | None
 ) -> Outcome:
     """The outcome of the next property after some outcomes."""
     if begin is None:
-        return try_property(stated, function)
-    return try_property(stated, function, begin=partial(begin, outcomes))
+        return try_property(property_, function)
+    return try_property(property_, function, begin=partial(begin, outcomes))
 
 
-def _answers(stated: Property, function: Callable) -> bool:
+def _answers(property_: Property, function: Callable) -> bool:
     """Whether a function returns in any case something that can be compared."""
-    for case in stated.cases():
-        error = failure(stated, function, case)
+    for case in property_.cases():
+        error = failure(property_, function, case)
         if error is None or isinstance(error, AssertionError):
             return True
     return False
@@ -265,7 +265,7 @@ def _answers(stated: Property, function: Callable) -> bool:
 
 def holds(exercise: Exercise, implementation: Callable) -> bool:
     """Whether every property holds; stops at the first that does not."""
-    return all(failing_case(tried, implementation) is None for tried in exercise.properties)
+    return all(failing_case(property_, implementation) is None for property_ in exercise.properties)
 
 
 def make_readable(text: str) -> str:
@@ -300,7 +300,7 @@ def report_of(exercise: Exercise, reply: dict[str, Any]) -> Report:
         problem = make_readable(reply["failed"])
         sent = reply.get("outcomes", ()) if problem else reply["outcomes"]
         pairs = zip(exercise.properties, sent, strict=not problem)
-        outcomes = [_outcome_of(stated, plain) for stated, plain in pairs]
+        outcomes = [_outcome_of(property_, plain) for property_, plain in pairs]
         if "trying" in reply and problem:
             trying = make_readable(reply["trying"])
             problem += f"\nit was tried with {trying}"
@@ -308,8 +308,8 @@ def report_of(exercise: Exercise, reply: dict[str, Any]) -> Report:
                 problem += "; smaller cases were right"
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"its process sent no reply: {error}"
-    for stated in exercise.properties[len(outcomes) :]:
-        outcomes.append(Outcome(stated, False, problem))
+    for property_ in exercise.properties[len(outcomes) :]:
+        outcomes.append(Outcome(property_, False, problem))
         problem = ""  # it is said once
     return Report(exercise, exercise.name, tuple(outcomes))
 
@@ -319,10 +319,10 @@ def _is_first_case(exercise: Exercise, number: int, trying: str) -> bool:
     return trying == make_readable(str(exercise.properties[number].cases()[0]))
 
 
-def _outcome_of(stated: Property, plain: dict[str, Any]) -> Outcome:
+def _outcome_of(property_: Property, plain: dict[str, Any]) -> Outcome:
     """The outcome of a property from a plain dict, whose texts may be anything."""
     return Outcome(
-        stated,
+        property_,
         plain["held"] is True,
         make_readable(plain["problem"]),
         make_readable(plain["counterexample"]),

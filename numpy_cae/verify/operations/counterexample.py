@@ -18,10 +18,10 @@ Whether a function alters its arguments is tried with arrays that can be written
 """
 
 
-def failure(tried: Property, implementation: Callable, case: Case) -> BaseException | None:
+def failure(property_: Property, implementation: Callable, case: Case) -> BaseException | None:
     """The error that a check raises in a case, or None."""
     try:
-        tried.check(implementation, case)
+        property_.check(implementation, case)
     except (Exception, SystemExit) as error:
         if NEEDS_WRITABLE in str(error) and case.get("layout") in READ_ONLY:
             return None
@@ -30,37 +30,37 @@ def failure(tried: Property, implementation: Callable, case: Case) -> BaseExcept
 
 
 def first_failure(
-    tried: Property, implementation: Callable, begin: Callable[[Case], None] | None = None
+    property_: Property, implementation: Callable, begin: Callable[[Case], None] | None = None
 ) -> tuple[Case, BaseException] | None:
     """The first case in which a property does not hold, with the error, or None.
 
     `begin` is called with each case before it is tried.
     """
-    for case in tried.cases():
+    for case in property_.cases():
         if begin is not None:
             begin(case)
-        error = failure(tried, implementation, case)
+        error = failure(property_, implementation, case)
         if error is not None:
             return case, error
     return None
 
 
-def failing_case(tried: Property, implementation: Callable) -> Case | None:
+def failing_case(property_: Property, implementation: Callable) -> Case | None:
     """The first case in which a property does not hold, or None."""
-    failed = first_failure(tried, implementation)
+    failed = first_failure(property_, implementation)
     return None if failed is None else failed[0]
 
 
 def smallest_case(
-    tried: Property, implementation: Callable, case: Case, expected: tuple[str, str]
+    property_: Property, implementation: Callable, case: Case, expected: tuple[str, str]
 ) -> Case:
     """A case that fails with this kind and subject; making any one size simpler would pass."""
     count = 0
     while count < MAX_SHRINKS:
         smaller = None
-        for simpler in _simplify(case, tried.sizes):
+        for simpler in _simplify(case, property_.sizes):
             count += 1
-            error = failure(tried, implementation, simpler)
+            error = failure(property_, implementation, simpler)
             if error is not None and kind_and_subject(error) == expected:
                 smaller = simpler
                 break

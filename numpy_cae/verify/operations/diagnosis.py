@@ -47,7 +47,7 @@ CaseResults = list[np.ndarray]
 class _Trials:
     """The results of an implementation and of the right operation in the cases of a property."""
 
-    stated: Property
+    property_: Property
     comparison: Comparison
     implementation: Callable
     cases: Sequence[Case]
@@ -61,26 +61,26 @@ class _Trials:
         return [not same(results, right) for results, right in pairs]
 
 
-def likely_mistake(stated: Property, implementation: Callable, of_kind: str = "") -> str:
+def likely_mistake(property_: Property, implementation: Callable, of_kind: str = "") -> str:
     """The sentence on the mistake because of which a property does not hold, or "".
 
     `of_kind` is what the kind of a failure tells: it is said where no known mistake does the same.
     """
-    if stated.diagnose is not None:
-        return stated.diagnose(stated, implementation)
-    operation = stated.definition
-    comparison = stated.comparison
+    if property_.diagnose is not None:
+        return property_.diagnose(property_, implementation)
+    operation = property_.definition
+    comparison = property_.comparison
     if operation is None or comparison is None or operation.reference is None:
         return ""
-    cases = stated.cases()
+    cases = property_.cases()
     results = [comparison.results(implementation, case) for case in cases]
     right = [comparison.results(operation.reference, case) for case in cases]
-    trials = _Trials(stated, comparison, implementation, cases, results, right)
+    trials = _Trials(property_, comparison, implementation, cases, results, right)
     if sum(trials.fails) < SEVERAL:
         return ""
     return (
         _known_mistake(trials)
-        or misplaced_gradient(stated, operation, implementation)
+        or misplaced_gradient(property_, operation, implementation)
         or of_kind
         or _factor_or_lost_digits(trials)
         or _circumstance(trials)
@@ -94,7 +94,7 @@ def _known_mistake(trials: _Trials) -> str:
     """
     name = trials.comparison.operation.name
     patches = [*bugs_of(name), *conventions_of(name)]
-    patches.sort(key=lambda patch: patch.caught_by != trials.stated.name)
+    patches.sort(key=lambda patch: patch.caught_by != trials.property_.name)
     for patch in patches:
         if _does_the_same(trials, patch.function()):
             if patch.caught_by:
@@ -111,17 +111,17 @@ def _does_the_same(trials: _Trials, wrong: Callable) -> bool:
     return True
 
 
-def misplaced_gradient(stated: Property, operation: Operation, implementation: Callable) -> str:
+def misplaced_gradient(property_: Property, operation: Operation, implementation: Callable) -> str:
     """Where the right gradient stands among those that the pullback returns, or ""."""
     names = operation.differentiated
-    name = stated.name.removeprefix("gradient for ")
+    name = property_.name.removeprefix("gradient for ")
     if name not in names:
         return ""
     for place in names:
         if place == name:
             continue
         exchanged = partial(_exchange_gradients, names, name, place, implementation)
-        if failing_case(stated, exchanged) is None:
+        if failing_case(property_, exchanged) is None:
             order = ", ".join(names)
             return f"The gradient for {name} is returned as that for {place}: the order is {order}."
     return ""
@@ -177,19 +177,19 @@ def _circumstance(trials: _Trials) -> str:
     """What all cases that fail have in common, and most that hold have not, or ""."""
     failing: list[set[str]] = []
     counts: Counter[str] = Counter()
-    tried = 0
+    seen = 0
     for case, fails, right in zip(trials.cases, trials.fails, trials.right, strict=True):
         if not fails and not np.any(_row(right)):
             continue  # nothing is seen where all results are 0
-        tried += 1
-        conditions = _conditions(trials.stated, case)
+        seen += 1
+        conditions = _conditions(trials.property_, case)
         counts.update(conditions)
         if fails:
             failing.append(conditions)
     best = ""
     for name in sorted(set.intersection(*failing)):
         is_rarer = not best or counts[name] < counts[best]
-        if tried - counts[name] >= SEVERAL and is_rarer:
+        if seen - counts[name] >= SEVERAL and is_rarer:
             best = name
     if not best:
         return ""
@@ -199,14 +199,14 @@ def _circumstance(trials: _Trials) -> str:
     return f"It fails only where {best}: in {len(failing)} of {counts[best]} cases."
 
 
-def _conditions(stated: Property, case: Case) -> set[str]:
+def _conditions(property_: Property, case: Case) -> set[str]:
     """What is true of the sizes, the classes and the arguments of a case."""
     conditions = set()
     for name, option in case.sizes:
         if option == 1 or isinstance(option, str):
             conditions.add(f"{name} is {option}")
-    conditions.update(_conditions_of_numbers(stated, _numbers(case)))
-    arguments = stated.arguments(case)
+    conditions.update(_conditions_of_numbers(property_, _numbers(case)))
+    arguments = property_.arguments(case)
     for name, array in arguments.items():
         if len(arguments) > 1 and np.any(array):  # of one array, it says nothing about the mistake
             conditions.add(f"{name} is not 0")
@@ -215,11 +215,11 @@ def _conditions(stated: Property, case: Case) -> set[str]:
     return conditions
 
 
-def _conditions_of_numbers(stated: Property, numbers: dict[str, int]) -> Iterator[str]:
+def _conditions_of_numbers(property_: Property, numbers: dict[str, int]) -> Iterator[str]:
     """What is true of the sizes that are numbers, by themselves and beside each other."""
     for name, size in numbers.items():
         yield f"{name} is {'odd' if size % 2 else 'even'}"
-        for option in stated.sizes[name]:
+        for option in property_.sizes[name]:
             if size > option:
                 yield f"{name} is above {option}"
         for second_name, second_size in numbers.items():

@@ -31,14 +31,16 @@ class Exercise:
 
     @property
     def points(self) -> int:
-        return round(sum(stated.points for stated in self.properties))
+        return round(sum(property_.points for property_ in self.properties))
 
 
 def properties_of_operation(name: str) -> tuple[Property, ...]:
     """Every property of an operation."""
     operation = OPERATIONS[name]
     properties = [*shared_properties(operation), *own_properties(operation)]
-    return tuple(sorted(properties, key=lambda stated: stated.name == LARGEST))  # it takes longest
+    return tuple(
+        sorted(properties, key=lambda property_: property_.name == LARGEST)
+    )  # it takes longest
 
 
 CATALOGUE: dict[str, Exercise] = {
@@ -76,8 +78,8 @@ def properties(name: str) -> tuple[Property, ...]:
     Examples
     --------
     >>> from numpy_cae import verify
-    >>> for stated in verify.properties("max_pool")[:3]:
-    ...     print(f"{stated.name}: {stated.statement}")
+    >>> for property_ in verify.properties("max_pool")[:3]:
+    ...     print(f"{property_.name}: {property_.statement}")
     value: the value is that of the definition, loop by loop
     gradient for x: the pullback's gradient for x is that of the definition
     linearity: the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each
@@ -149,8 +151,8 @@ def _properties_named(name: str | Exercise | Property | Callable) -> tuple[Prope
 def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, Option]) -> Case:
     """A case of an operation's properties; a ValueError if a size is missing or unknown."""
     allowed: dict[str, list] = {}
-    for stated in properties:
-        for name, options in stated.sizes.items():
+    for property_ in properties:
+        for name, options in property_.sizes.items():
             allowed.setdefault(name, []).extend(options)
     needed = {name for name, options in allowed.items() if ORDINARY not in options}
     if not needed <= sizes.keys() <= allowed.keys():
@@ -165,8 +167,8 @@ def _case_of(properties: Sequence[Property], seed: int, sizes: Mapping[str, Opti
     return Case(tuple(sizes.items()), seed)
 
 
-def example_call(stated: Property, case: Case) -> str:
+def example_call(property_: Property, case: Case) -> str:
     """The call of `verify.example` that returns a case of a property."""
-    name = stated.example_of or f'"{stated.operation}"'
+    name = property_.example_of or f'"{property_.operation}"'
     sizes = [f"{size_name}={size!r}" for size_name, size in case.sizes if size != ORDINARY]
     return f"example({name}, {', '.join(sizes)}, seed={case.seed})"

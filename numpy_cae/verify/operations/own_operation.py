@@ -119,10 +119,10 @@ def properties_of(
     >>> from numpy_cae import verify
     >>> def scaled(x, scale):
     ...     return scale * x, lambda dy: (scale * dy, np.sum(x * dy, axis=0) / len(x))
-    >>> stated = verify.properties_of(scaled, {"x": "batch channels", "scale": "channels"})
-    >>> [prop.name for prop in stated][:3]
+    >>> properties = verify.properties_of(scaled, {"x": "batch channels", "scale": "channels"})
+    >>> [property_.name for property_ in properties][:3]
     ['gradient for x', 'gradient for scale', 'ties']
-    >>> verify.check_property(stated[1], scaled)
+    >>> verify.check_property(properties[1], scaled)
     Traceback (most recent call last):
     AssertionError: the pullback's gradient for scale is that of central differences
         ...
@@ -151,9 +151,9 @@ def properties_of(
         nondeterminism=nondeterminism,
         linear_in=operation.differentiated if linear else (),
     )
-    stated = list(shared_properties(operation))
-    stated += [state_empty_arrays(operation, size) for size in empty]
-    property_names = [prop.name for prop in stated]
+    properties = list(shared_properties(operation))
+    properties += [state_empty_arrays(operation, size) for size in empty]
+    property_names = [property_.name for property_ in properties]
     _require_known(name, "the list of properties", {*skip, *only, *marks}, property_names)
     left_out = {*skip} if tuple(dtypes) == DTYPES else {*skip, "dtype"}
     if only:
@@ -161,9 +161,11 @@ def properties_of(
     if cases is not None and cases < 1:
         raise ValueError(f"{name}: cases is {cases}, expected at least 1")
     return tuple(
-        replace(prop, marks=marks.get(prop.name, ()), example_of="stated", most_cases=cases)
-        for prop in stated
-        if prop.name not in left_out
+        replace(
+            property_, marks=marks.get(property_.name, ()), example_of="property_", most_cases=cases
+        )
+        for property_ in properties
+        if property_.name not in left_out
     )
 
 
@@ -261,8 +263,8 @@ def operation_test(
     """
 
     def with_properties(f: Callable) -> Callable:
-        stated = properties_of(f, shapes, definition, **options)
-        named = tuple(replace(prop, example_of=f.__name__) for prop in stated)
+        properties = properties_of(f, shapes, definition, **options)
+        named = tuple(replace(property_, example_of=f.__name__) for property_ in properties)
         f.operation_test = named  # type: ignore[attr-defined]
         f.operation_arrays = tuple(shapes)  # type: ignore[attr-defined]
         return f

@@ -32,10 +32,10 @@ class Property:
     Examples
     --------
     >>> from numpy_cae import ops, verify
-    >>> prop = verify.properties("conv1d")[0]
-    >>> prop.name, prop.statement
+    >>> value = verify.properties("conv1d")[0]
+    >>> value.name, value.statement
     ('value', 'the value is that of the definition, loop by loop')
-    >>> verify.check_property(prop, ops.conv1d)
+    >>> verify.check_property(value, ops.conv1d)
     """
 
     name: str
@@ -81,7 +81,7 @@ class Property:
 class Outcome:
     """Whether a property holds; if not, why, in which case, and the likely mistake."""
 
-    stated: Property
+    property_: Property
     held: bool
     problem: str = ""
     counterexample: str = ""

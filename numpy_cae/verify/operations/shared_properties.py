@@ -67,8 +67,10 @@ ADJOINT_IN_FLOAT32 = 1e-4
 """The same where an argument is an array of float32."""
 FURTHER_CALLS = 7
 """In some cases a result is compared again after so many further calls."""
-HISTORIES = 12
+HISTORIES = 16
 """Independence is tried on at least so many cases, each of which is ten calls or more."""
+FEW_VALUES = (ORDINARY, "random", "zeros", "ties", "large", "constant", "wide", THE_SAME)
+"""The classes of values of independence, which is about calls more than about numbers."""
 POINTS = 2
 """The points of the value and of each gradient; every other property has one."""
 
@@ -134,7 +136,7 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     few = UPSTREAM | LAYOUT | _sizes_up_to_dense(operation)
     yield state_property(operation, "dtype", PRECISE, _compare_dtypes, few)
     yield state_property(operation, "purity", PURE, _compare_inputs, UPSTREAM | WRITABLE)
-    classes = UPSTREAM | WRITABLE
+    classes = UPSTREAM | WRITABLE | _few_values_of(operation)
     independence = state_property(operation, "independence", INDEPENDENT, _compare_calls, classes)
     yield replace(independence, examples=HISTORIES)
     if operation.has_right_gradients:
@@ -192,6 +194,12 @@ def _state_special_inputs(operation: Operation) -> Property:
     sizes["upstream"] = SPECIAL_UPSTREAM
     special = state_property(operation, LARGEST, SPECIAL, compare_with_definition, sizes)
     return replace(special, combined=("values", "of"), full_size_classes=FULL_SIZE_CLASSES)
+
+
+def _few_values_of(operation: Operation) -> dict[str, tuple]:
+    """The classes of values of an operation that are among FEW_VALUES."""
+    values = tuple(name for name in operation.sizes.get("values", ()) if name in FEW_VALUES)
+    return {"values": values} if values else {}
 
 
 def _sizes_up_to_dense(operation: Operation) -> dict[str, tuple]:

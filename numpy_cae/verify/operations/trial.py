@@ -69,7 +69,7 @@ class _Recorder:
 
 
 def try_property(
-    tried: Property,
+    property_: Property,
     implementation: Callable,
     shrink: bool = True,
     begin: Callable[[Case], None] | None = None,
@@ -79,69 +79,71 @@ def try_property(
     The counterexample is the smallest case that fails, or without `shrink` the first one. `begin`
     is called with each case before it is tried.
     """
-    failed = first_failure(tried, implementation, begin)
+    failed = first_failure(property_, implementation, begin)
     if failed is None:
-        return Outcome(tried, held=True)
+        return Outcome(property_, held=True)
     case, first_error = failed
     recorder = _Recorder(implementation)
-    error = failure(tried, recorder, case)
+    error = failure(property_, recorder, case)
     if error is not None and shrink and not isinstance(error, NotImplementedError):
-        case = smallest_case(tried, implementation, case, kind_and_subject(error))
+        case = smallest_case(property_, implementation, case, kind_and_subject(error))
         recorder = _Recorder(implementation)
-        error = failure(tried, recorder, case)
+        error = failure(property_, recorder, case)
     if error is None:
-        first = _describe_problem(tried, first_error, implementation, case)
+        first = _describe_problem(property_, first_error, implementation, case)
         problem = f"{UNSTEADY}; at first: {first}"
-        return Outcome(tried, False, problem, str(case))
+        return Outcome(property_, False, problem, str(case))
     return Outcome(
-        tried,
+        property_,
         held=False,
-        problem=_describe_problem(tried, error, implementation, case),
-        counterexample="\n".join(_describe_example(tried, case, recorder, error)),
-        mistake=_describe_mistake(tried, implementation, error, case),
+        problem=_describe_problem(property_, error, implementation, case),
+        counterexample="\n".join(_describe_example(property_, case, recorder, error)),
+        mistake=_describe_mistake(property_, implementation, error, case),
         kind=kind_and_subject(error)[0],
         crashed=not isinstance(error, AssertionError),
     )
 
 
 def _describe_problem(
-    tried: Property, error: BaseException, implementation: Callable, case: Case
+    property_: Property, error: BaseException, implementation: Callable, case: Case
 ) -> str:
     """What is wrong: the mismatch, or the error with its line."""
     if isinstance(error, AssertionError):
         return str(error)[:LONGEST_TEXT]
-    is_own = tried.comparison is not None and tried.comparison.operation.is_own
+    is_own = property_.comparison is not None and property_.comparison.operation.is_own
     problem = error_text(error, file_of(implementation), is_file_named=is_own)
     if isinstance(error, RecursionError | MemoryError):
         problem += f"\nit runs out of depth or memory with {case}"
-        if case not in (tried.cases()[0], simplest_case(tried.sizes)):
+        if case not in (property_.cases()[0], simplest_case(property_.sizes)):
             problem += "; smaller cases were right"
     return problem
 
 
 def _describe_mistake(
-    tried: Property, implementation: Callable, error: BaseException, case: Case
+    property_: Property, implementation: Callable, error: BaseException, case: Case
 ) -> str:
     """The likely mistake, or ""."""
     kind, _ = kind_and_subject(error)
     of_kind = MISTAKE_OF_KIND.get(kind, "")
     mistake = ""
     if isinstance(error, AssertionError | ValueError | IndexError):  # as planted bugs may raise
-        mistake = likely_mistake(tried, implementation, of_kind)
+        mistake = likely_mistake(property_, implementation, of_kind)
     if mistake or of_kind:
         return mistake or of_kind
-    if tried.name == "strides" and kind == NUMBER:
-        if failure(tried, implementation, case.with_option("layout", ORDINARY)) is None:
+    if property_.name == "strides" and kind == NUMBER:
+        if failure(property_, implementation, case.with_option("layout", ORDINARY)) is None:
             return C_ORDER
     return ""
 
 
-def check_property(stated: Property, function: Callable, crashes: set[str] | None = None) -> None:
+def check_property(
+    property_: Property, function: Callable, crashes: set[str] | None = None
+) -> None:
     """Raise unless an implementation has a property.
 
     Parameters
     ----------
-    stated : Property
+    property_ : Property
         One of `properties`; in a test file, `pytest.mark.parametrize` makes a test of each.
     function : callable
         The implementation.
@@ -165,10 +167,10 @@ def check_property(stated: Property, function: Callable, crashes: set[str] | Non
     AssertionError: the pullback's gradient for x is that of the definition
         ...
     """
-    outcome = try_property(stated, function)
+    outcome = try_property(property_, function)
     if outcome.held:
         return
-    lines = [stated.statement, outcome.problem, outcome.counterexample, outcome.mistake]
+    lines = [property_.statement, outcome.problem, outcome.counterexample, outcome.mistake]
     if outcome.crashed and crashes is not None:
         if outcome.problem in crashes:
             lines = [f"as in an earlier test, {outcome.problem}"]
@@ -177,24 +179,24 @@ def check_property(stated: Property, function: Callable, crashes: set[str] | Non
 
 
 def _describe_example(
-    tried: Property, case: Case, recorder: _Recorder, error: BaseException
+    property_: Property, case: Case, recorder: _Recorder, error: BaseException
 ) -> list[str]:
     """The arguments of the last call, and what it should return; or the call of `example`."""
-    arguments = tried.arguments(case)
+    arguments = property_.arguments(case)
     if set(arguments) == {"seed"}:  # what the function is tried with is not drawn
         return []
     if len(recorder.arguments) == len(arguments):
         arguments = dict(zip(arguments, recorder.arguments, strict=True))
-        arguments |= _name_upstreams(tried, recorder.upstreams)
+        arguments |= _name_upstreams(property_, recorder.upstreams)
     lines = [f"{name} = {as_text(argument)}" for name, argument in arguments.items()]
     if sum(map(len, lines)) > LONGEST_ARGUMENTS:
-        lines = [example_call(tried, case)]
+        lines = [example_call(property_, case)]
     return [str(case), *lines, *_describe_result(error)]
 
 
-def _name_upstreams(tried: Property, upstreams: Sequence) -> dict[str, Any]:
+def _name_upstreams(property_: Property, upstreams: Sequence) -> dict[str, Any]:
     """The last upstream gradient by name, or the three of "linearity"."""
-    if tried.name == "linearity" and len(upstreams) == len(UPSTREAMS_OF_LINEARITY):
+    if property_.name == "linearity" and len(upstreams) == len(UPSTREAMS_OF_LINEARITY):
         return dict(zip(UPSTREAMS_OF_LINEARITY, upstreams, strict=True))
     return {"upstream gradient": upstreams[-1]} if upstreams else {}
 
