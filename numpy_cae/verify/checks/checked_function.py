@@ -33,8 +33,6 @@ OTHERWISE = "called again, f returns another {}: randomness comes in as an argum
 OVERWRITTEN = "the gradient that was returned first is overwritten by the second"
 REPEATED_ROUNDINGS = 1000
 """Repeated results may differ by so many roundings of the largest of them."""
-NUMBER_DIGITS = 10
-"""The two numbers of a repeated result have at least this many digits."""
 TERM_ROUNDINGS = 16
 """Repeated results may also differ by so many roundings of the largest number they are made of."""
 
@@ -237,6 +235,10 @@ def _require_unaltered(name: str, array: object, before: Any) -> None:
     if isinstance(array, np.ndarray) and not np.array_equal(array, before, equal_nan=True):
         text = f"{name} was altered: an operation never changes its arguments"
         raise Mismatch(ALTERED, name, text)
+
+
+NUMBER_DIGITS = 10
+"""The two numbers of a repeated result have at least this many digits."""
 
 
 def _require_close(

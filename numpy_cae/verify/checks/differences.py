@@ -33,20 +33,12 @@ NEIGHBOURS = (0.8, 0.9, 1.1, 1.25)
 """A wrong number is confirmed at so many times the step of the most certain slope."""
 VISIBLE = 1 / 8
 """Outputs that a step of so much of an entry does not move do not depend on it."""
-LEVEL = 0.1
-"""Slopes at large steps count if they differ from the next by at most this part."""
 SCATTER_MARGIN = 4
 """A number is wrong only if it is off by so many times the scatter of the slopes."""
 ROUNDING_MARGIN = 32
 """Rounding is taken to be at most this many times that of the outputs."""
-CURVED = 4
-"""At so many times the step, a corner's jump has not doubled, but that of a curve has."""
 RATE_MARGIN = 0.1
 """A remainder decides if the power with which it falls is so near to 1 or to 2."""
-ABOVE_NOISE = 4
-"""The remainder counts where it is at least this many times as large as rounding."""
-CONCLUSIVE = 16
-"""A slope is conclusive if its rounding is at most this many times the first step, relatively."""
 SINGLE = float(np.finfo(np.float32).eps)
 SINGLE_TOLERANCE = 1e-4
 """The relative tolerance is at least this where f computes in float32."""
@@ -242,6 +234,10 @@ def step_scale(x: np.ndarray) -> np.ndarray:
     return np.maximum(magnitude, typical)
 
 
+CONCLUSIVE = 16
+"""A slope is conclusive if its rounding is at most this many times the first step, relatively."""
+
+
 def _noise_allowed(slope: Slope, before: list[Slope], analytic: float, first: float) -> float:
     """The rounding with which a slope is still conclusive.
 
@@ -297,6 +293,10 @@ def _clearest_corner(slopes: list[Slope]) -> Slope:
     return slopes[0]
 
 
+CURVED = 4
+"""At so many times the step, a corner's jump has not doubled, but that of a curve has."""
+
+
 def _is_corner(clear: Slope, slopes: list[Slope], allowed: float) -> bool:
     """Whether the jump is that of a corner, not of a curve, whose jump grows with the step."""
     beyond = clear
@@ -317,6 +317,10 @@ def _power(rates: tuple[float, ...]) -> int:
     return 2 if min(last) > 2 - RATE_MARGIN else 0
 
 
+LEVEL = 0.1
+"""Slopes at large steps count if they differ from the next by at most this part."""
+
+
 def _error(slope: Slope, neighbour: Slope, first: float) -> float:
     """What a slope may be off by: its rounding, and its difference from that at the next step.
 
@@ -326,6 +330,10 @@ def _error(slope: Slope, neighbour: Slope, first: float) -> float:
     change = abs(slope.central - neighbour.central)
     is_level = change < LEVEL * abs(slope.central)
     return slope.noise + change if slope.step <= first or is_level else np.inf
+
+
+ABOVE_NOISE = 4
+"""The remainder counts where it is at least this many times as large as rounding."""
 
 
 def _rates(slopes: list[Slope]) -> tuple[float, ...]:

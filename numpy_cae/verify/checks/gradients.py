@@ -34,19 +34,13 @@ from numpy_cae.verify.checks.mismatch import KINK, SLOPE, UNDECIDED, Mismatch, r
 
 EVERY_ENTRY_UP_TO = 100
 """Arrays of at most this many entries are checked entry by entry."""
-DIRECTIONS = 4
-"""A larger array is checked along so many random directions for each size of entry."""
-EQUAL_ENTRIES = (1.7, 2.9)
-"""Frequencies by which the step of an entry depends on its size."""
-KINKS_EXCUSED = 0.05
-"""Kinks are excused in one entry of several, or in at most this share of the entries."""
-WORDS_OF_FURTHER_PROBLEMS = 60
-"""Of a second and further wrong gradient so many words are printed."""
-NUMBER_DIGITS = 10
-"""The two numbers of a wrong slope have at least this many digits."""
 
 Judged = tuple[np.ndarray, Verdict]
 """A direction and the verdict on it."""
+
+
+WORDS_OF_FURTHER_PROBLEMS = 60
+"""Of a second and further wrong gradient so many words are printed."""
 
 
 def check_gradients(
@@ -151,6 +145,10 @@ def check_adjoint(f: Callable, x: np.ndarray, y: np.ndarray, tolerance: float = 
         raise AssertionError(f"the pullback is not the adjoint: {products}")
 
 
+KINKS_EXCUSED = 0.05
+"""Kinks are excused in one entry of several, or in at most this share of the entries."""
+
+
 def find_wrong_gradients(
     f: Callable,
     inputs: Sequence,
@@ -253,6 +251,10 @@ def _row(arrays: Sequence, places: Sequence[int]) -> np.ndarray:
     return np.concatenate([np.ravel(arrays[place]) for place in places])
 
 
+EQUAL_ENTRIES = (1.7, 2.9)
+"""Frequencies by which the step of an entry depends on its size."""
+
+
 def _judge_together(argument: Argument) -> Iterator[Mismatch]:
     """Move each entry in proportion to itself and to a number that depends on its size alone.
 
@@ -269,6 +271,10 @@ def _judge_together(argument: Argument) -> Iterator[Mismatch]:
             text = "\n    ".join([first, *_both_numbers(verdict), last])
             yield Mismatch(SLOPE, "the gradients together", text)
             return
+
+
+NUMBER_DIGITS = 10
+"""The two numbers of a wrong slope have at least this many digits."""
 
 
 def _both_numbers(verdict: Verdict) -> list[str]:
@@ -356,6 +362,10 @@ def _judge_directions(argument: Argument, directions: Iterable[np.ndarray]) -> l
 def _of_kind(kind: str, judged: Iterable[Judged]) -> list[Judged]:
     """The directions with a verdict of this kind."""
     return [(direction, verdict) for direction, verdict in judged if verdict.kind == kind]
+
+
+DIRECTIONS = 4
+"""A larger array is checked along so many random directions for each size of entry."""
 
 
 def _directions(argument: Argument, rng: np.random.Generator) -> Iterator[np.ndarray]:

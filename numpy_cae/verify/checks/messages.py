@@ -9,15 +9,10 @@ from typing import Any
 
 import numpy as np
 
-STANDARD_LIBRARY = Path(os.__file__).parent
-LONGEST_TEXT = 2000
-"""A message has at most this many characters."""
 WORTH_PRINTING = 32
 """Arrays of at most this many entries are printed in a counterexample."""
 LONGEST_ARGUMENTS = 600
 """Arguments of at most this many characters are printed in a counterexample."""
-MOST_DIGITS = 17
-"""So many digits tell any two numbers of float64 from each other."""
 
 
 def as_text(value: Any, digits: int = 6) -> str:
@@ -38,6 +33,10 @@ def as_text(value: Any, digits: int = 6) -> str:
         texts = [f"{number + 0:.{digits}g}" for number in value.flat]
         value = np.array(texts, float).reshape(value.shape)
     return str(value.tolist())
+
+
+MOST_DIGITS = 17
+"""So many digits tell any two numbers of float64 from each other."""
 
 
 def texts_that_differ(first: object, second: object, fewest: int = 6) -> tuple[str, str]:
@@ -67,6 +66,10 @@ def file_of(function: Callable) -> str:
     function = inspect.unwrap(function)
     code = getattr(function, "__code__", None)
     return getattr(function, "remote_file", getattr(code, "co_filename", ""))
+
+
+LONGEST_TEXT = 2000
+"""A message has at most this many characters."""
 
 
 def error_text(error: BaseException, file: str = "", is_file_named: bool = False) -> str:
@@ -104,6 +107,9 @@ def frames_of(error: BaseException) -> list[tuple[str, int]]:
     for frame, line in traceback.walk_tb(error.__traceback__):
         frames.append((frame.f_code.co_filename, line))
     return frames
+
+
+STANDARD_LIBRARY = Path(os.__file__).parent
 
 
 def _is_library(file: str) -> bool:

@@ -14,14 +14,8 @@ import numpy as np
 
 from numpy_cae.verify.operations.values import ORDINARY
 
-SEEDS = 10_000
-"""The seed of a case is below this number."""
-SEEDS_TRIED = 3
-"""Seeds below this number are tried to make a counterexample simpler."""
 LARGE = 16
 """A size above this occurs in one case of a property only, together with small sizes."""
-SEVERAL_TAPS = 5
-"""At least this many taps are several."""
 VERY_LARGE = 100
 """A size above this gets a case of its own, in which all other sizes are small."""
 
@@ -73,6 +67,12 @@ def simplest_case(sizes: Sizes) -> Case:
     return Case(tuple((name, options[0]) for name, options in sizes.items()), 0)
 
 
+SEEDS = 10_000
+"""The seed of a case is below this number."""
+SEEDS_TRIED = 3
+"""Seeds below this number are tried to make a counterexample simpler."""
+
+
 def random_cases(
     name: str,
     sizes: Sizes,
@@ -107,6 +107,10 @@ def _mixed_rows(
     for number, (size, option) in zip(rng.permutation(count), large, strict=False):
         columns[size][number] = option
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+SEVERAL_TAPS = 5
+"""At least this many taps are several."""
 
 
 def _simple_rows(sizes: Sizes) -> Iterator[dict[str, Any]]:

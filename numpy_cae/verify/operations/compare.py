@@ -30,10 +30,6 @@ EXACT = 1e-10
 """Results of float64 agree if they differ by at most this, relative to the largest entry."""
 SINGLE_EXACT = 1e-3
 """The same for operations of one's own that are tried or compute in float32 only."""
-BOUND_ROUNDINGS = 8
-"""1 - y² of arctanh near its bound may be off by so many roundings of 1."""
-NUMBER_DIGITS = 10
-"""The two numbers of a mismatch have at least this many digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +94,10 @@ def _is_in_single(pair: Pair) -> bool:
 def require_pair(pair: Pair) -> None:
     """Raise a Mismatch unless both arrays of a pair agree, as `require_equal` does."""
     require_equal(pair.subject, pair.result, pair.expected, pair.tolerance, pair.floor, pair.kind)
+
+
+NUMBER_DIGITS = 10
+"""The two numbers of a mismatch have at least this many digits."""
 
 
 def require_equal(
@@ -179,6 +179,10 @@ def canonical_pair(
     result = operation.canonical(inputs, result)
     expected = operation.canonical(inputs, expected)
     return Pair(subject, result, expected, tolerance, floor)
+
+
+BOUND_ROUNDINGS = 8
+"""1 - y² of arctanh near its bound may be off by so many roundings of 1."""
 
 
 def rounding_of(case: Case, inputs: Mapping[str, Any]) -> float:

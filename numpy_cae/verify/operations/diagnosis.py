@@ -26,18 +26,6 @@ from numpy_cae.verify.operations.property import Property
 
 SEVERAL = 2
 """A mistake is named only if the right operation differs in at least this many cases."""
-LOST_DIGITS = 1e-5
-"""Results lose digits only if they are off by less than this part of the largest entry."""
-MOST = 0.6
-"""A circumstance is named if at least so large a part of its cases fail, and no others."""
-ROUNDING = 1e-11
-"""Results are equal if they differ by at most this much of the largest of them."""
-CLOSE = 1e-9
-"""Entries of float64 are equal if they differ by at most this part."""
-CLOSE_IN_SINGLE = 1e-4
-"""Entries of float32 are equal if they differ by at most this part."""
-SAME_FACTOR = 1e-9
-"""A result is the right one times a factor if it differs by at most this part."""
 
 CaseResults = list[np.ndarray]
 """All results of one implementation in one case."""
@@ -138,6 +126,10 @@ def _exchange_gradients(
     return value, lambda *upstream: itemgetter(*order)(pullback(*upstream))
 
 
+LOST_DIGITS = 1e-5
+"""Results lose digits only if they are off by less than this part of the largest entry."""
+
+
 def _factor_or_lost_digits(trials: _Trials) -> str:
     """The factor by which all results are off, made of sizes, or the digits that are lost."""
     rows = []
@@ -156,6 +148,10 @@ def _factor_or_lost_digits(trials: _Trials) -> str:
     return ""
 
 
+SAME_FACTOR = 1e-9
+"""A result is the right one times a factor if it differs by at most this part."""
+
+
 def _factor(cases: Sequence[Case], rows: Sequence[tuple[np.ndarray, np.ndarray]]) -> str:
     """The factor between all results and the right ones, such as "batch / 2", or ""."""
     numbers = [{"1": 1, "-1": -1, "2": 2} | _numbers(case) for case in cases]
@@ -171,6 +167,10 @@ def _factor(cases: Sequence[Case], rows: Sequence[tuple[np.ndarray, np.ndarray]]
 def _relative_error(row: np.ndarray, right_row: np.ndarray) -> float:
     """The largest error, relative to the largest right number or to 1."""
     return np.max(abs(row - right_row), initial=0) / np.max(abs(right_row), initial=1)
+
+
+MOST = 0.6
+"""A circumstance is named if at least so large a part of its cases fail, and no others."""
 
 
 def _circumstance(trials: _Trials) -> str:
@@ -244,6 +244,10 @@ def same(results: list, expected: list) -> bool:
     return len(results) == len(expected) and not _differing(results, expected)
 
 
+ROUNDING = 1e-11
+"""Results are equal if they differ by at most this much of the largest of them."""
+
+
 def _differing(results: list, expected: list) -> set[int]:
     """The numbers of the results that differ, beyond rounding of the largest of them."""
     largest = 0.0
@@ -256,6 +260,12 @@ def _differing(results: list, expected: list) -> set[int]:
         if not _equal(result, right, ROUNDING * largest):
             differing.add(number)
     return differing
+
+
+CLOSE = 1e-9
+"""Entries of float64 are equal if they differ by at most this part."""
+CLOSE_IN_SINGLE = 1e-4
+"""Entries of float32 are equal if they differ by at most this part."""
 
 
 def _equal(result: np.ndarray | None, expected: np.ndarray | None, rounding: float) -> bool:

@@ -23,18 +23,14 @@ from numpy_cae.verify.operations.shapes import (
 from numpy_cae.verify.operations.shared_properties import shared_properties
 from numpy_cae.verify.operations.values import VALUES
 
-SIZES = (1, 2, 3, 4, 5, 7, 8, 15, 31, 32, 33, 62, 63, 64, 65)
-"""The numbers that a size is drawn from if the caller does not state them."""
-SIZE = re.compile(r"[^\W\d]\w*|\d+|(?:\w+[*+])+\w+")
-IN_USE = ("values", "of", "layout", "upstream", "axes", "state", "seed")
-"""Names of what a case has besides sizes."""
-DTYPES = ("float64", "float32")
-RANGE = (-2.0, 2.0)
-"""The range of an argument's numbers if the caller does not state it."""
 NOT_SMOOTH = ("near ties", "tiny", "mixed", "wide")
 """Classes of values where differences are no good derivative: beside kinks, or where entries are
 tiny or of very different size."""
-SMOOTH = {"values": tuple(name for name in VALUES if name not in NOT_SMOOTH)}
+
+
+DTYPES = ("float64", "float32")
+RANGE = (-2.0, 2.0)
+"""The range of an argument's numbers if the caller does not state it."""
 
 
 def properties_of(
@@ -169,6 +165,9 @@ def properties_of(
     )
 
 
+SMOOTH = {"values": tuple(name for name in VALUES if name not in NOT_SMOOTH)}
+
+
 def _own_operation(
     name: str,
     sizes: Sizes,
@@ -199,6 +198,11 @@ def _require_known(name: str, where: str, used: set[str], known_names: Collectio
         raise ValueError(f"{name}: {where} has no {missing}, only {words}")
 
 
+SIZE = re.compile(r"[^\W\d]\w*|\d+|(?:\w+[*+])+\w+")
+IN_USE = ("values", "of", "layout", "upstream", "axes", "state", "seed")
+"""Names of what a case has besides sizes."""
+
+
 def _require_sizes(name: str, shapes: Mapping[str, str]) -> None:
     """Raise a ValueError where a size is no name, number, product or sum, or its name is in use."""
     rule = f"a size is a name other than {', '.join(IN_USE)}, a number, a product, a sum, or ..."
@@ -211,6 +215,10 @@ def _require_sizes(name: str, shapes: Mapping[str, str]) -> None:
 def _as_tuples(sizes: Mapping[str, Sequence[int]]) -> dict[str, tuple]:
     """The sizes that a caller states."""
     return {name: tuple(options) for name, options in sizes.items()}
+
+
+SIZES = (1, 2, 3, 4, 5, 7, 8, 15, 31, 32, 33, 62, 63, 64, 65)
+"""The numbers that a size is drawn from if the caller does not state them."""
 
 
 def _default_sizes(shapes: Mapping[str, str]) -> dict[str, tuple]:

@@ -24,9 +24,6 @@ from pathlib import Path
 from numpy_cae.verify.operations.operation import OPERATIONS
 
 FOLDER = Path(__file__).parent
-HEADER = re.compile(r"(\w+) \(([\w ]*)\)")
-REPLACEMENT = re.compile(r"((?:^-.*\n)+)((?:^\+.*\n?)+)", re.MULTILINE)
-"""Lines with a minus, and the lines with a plus that replace them."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +81,11 @@ def read_patches(folder: Path) -> tuple[Patch, ...]:
     for path in sorted(folder.glob("*.txt")):
         patches += patches_in(path.read_text("utf-8"), path.stem)
     return tuple(patches)
+
+
+HEADER = re.compile(r"(\w+) \(([\w ]*)\)")
+REPLACEMENT = re.compile(r"((?:^-.*\n)+)((?:^\+.*\n?)+)", re.MULTILINE)
+"""Lines with a minus, and the lines with a plus that replace them."""
 
 
 def patches_in(text: str, operation: str) -> Iterator[Patch]:

@@ -54,26 +54,16 @@ from numpy_cae.verify.operations.upstream import (
 from numpy_cae.verify.operations.values import LAYOUTS, ORDINARY, THE_SAME
 
 FLOAT32 = float(np.finfo(np.float32).eps)
-FLOAT32_ULPS = 64
-"""A result of float32 may be off by so many roundings of float32."""
-OWN_ULPS = 1024
-"""The same for an operation of one's own, whose terms may cancel."""
-DENSE = 33
-"""The largest size of "dtype" for operations of one's own: ordinary numbers are distinct and so
-near to each other in larger arrays that a right layer may amplify the rounding of float32."""
-ADJOINT = 1e-12
-"""Both inner products of an adjoint may differ by so much, relative to the norms of the factors."""
-ADJOINT_IN_FLOAT32 = 1e-4
-"""The same where an argument is an array of float32."""
-FURTHER_CALLS = 7
-"""In some cases a result is compared again after so many further calls."""
-HISTORIES = 16
-"""Independence is tried on at least so many cases, each of which is ten calls or more."""
-FEW_VALUES = (ORDINARY, "random", "zeros", "ties", "large", "constant", "wide", THE_SAME)
-"""The classes of values of independence, which is about calls more than about numbers."""
 POINTS = 2
 """The points of the value and of each gradient; every other property has one."""
 
+
+MakePairs = Callable[[Operation, Callable, Case], Pairs]
+"""(operation, implementation, case) -> pairs to be compared."""
+
+
+HISTORIES = 16
+"""Independence is tried on at least so many cases, each of which is ten calls or more."""
 LAYOUT: dict[str, tuple] = {"layout": tuple(LAYOUTS)}
 WRITABLE: dict[str, tuple] = {"layout": tuple(LAYOUTS)[:-2]}
 """The layouts in which a function can alter what it is given."""
@@ -90,18 +80,6 @@ TIED: dict[str, tuple] = {
     "values": ("ties", "signed zeros", "equal slices", "symmetric", "constant", THE_SAME)
 }
 """Classes of values with equal entries."""
-SPECIAL_UPSTREAM = (ORDINARY, "random", "integers", "sparse")
-"""The classes of upstream gradients of the property "special inputs"."""
-FULL_SIZE_CLASSES: tuple[dict[str, str], ...] = (
-    {},
-    {"state": ORDINARY, "upstream": "sparse"},
-    {"state": ORDINARY, "values": "huge", "of": "b"},
-)
-"""Classes tried with the project's sizes. Where a state is kept: one gradient far back, and gates
-that pass the state over all frames."""
-
-LARGEST = "special inputs"
-"""The name of the property with the largest arrays."""
 VALUE_STATEMENT = "the value is that of the definition, loop by loop"
 TIES = "along directions that keep equal entries equal, the gradients give the slope of the value"
 LINEAR = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
@@ -109,10 +87,6 @@ LAID_OUT = "views in any memory order, or that cannot be written, give the same 
 PRECISE = "float32 stays float32, with its precision, float64 likewise"
 PURE = "no argument and no upstream gradient is altered"
 INDEPENDENT = "a pullback called again returns the same, whatever was called in between"
-SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the definition gives"
-
-MakePairs = Callable[[Operation, Callable, Case], Pairs]
-"""(operation, implementation, case) -> pairs to be compared."""
 
 
 def shared_properties(operation: Operation) -> Iterator[Property]:
@@ -186,6 +160,20 @@ def _state_gradient(operation: Operation, name: str) -> Property:
     return replace(gradient, points=POINTS, group=GRADIENT)
 
 
+SPECIAL_UPSTREAM = (ORDINARY, "random", "integers", "sparse")
+"""The classes of upstream gradients of the property "special inputs"."""
+FULL_SIZE_CLASSES: tuple[dict[str, str], ...] = (
+    {},
+    {"state": ORDINARY, "upstream": "sparse"},
+    {"state": ORDINARY, "values": "huge", "of": "b"},
+)
+"""Classes tried with the project's sizes. Where a state is kept: one gradient far back, and gates
+that pass the state over all frames."""
+LARGEST = "special inputs"
+"""The name of the property with the largest arrays."""
+SPECIAL = "equal, sorted, zero, wide, large or long arrays too give what the definition gives"
+
+
 def _state_special_inputs(operation: Operation) -> Property:
     """The property that tries large sizes, and every class of values in each array."""
     sizes = {}
@@ -196,10 +184,19 @@ def _state_special_inputs(operation: Operation) -> Property:
     return replace(special, combined=("values", "of"), full_size_classes=FULL_SIZE_CLASSES)
 
 
+FEW_VALUES = (ORDINARY, "random", "zeros", "ties", "large", "constant", "wide", THE_SAME)
+"""The classes of values of independence, which is about calls more than about numbers."""
+
+
 def _few_values_of(operation: Operation) -> dict[str, tuple]:
     """The classes of values of an operation that are among FEW_VALUES."""
     values = tuple(name for name in operation.sizes.get("values", ()) if name in FEW_VALUES)
     return {"values": values} if values else {}
+
+
+DENSE = 33
+"""The largest size of "dtype" for operations of one's own: ordinary numbers are distinct and so
+near to each other in larger arrays that a right layer may amplify the rounding of float32."""
 
 
 def _sizes_up_to_dense(operation: Operation) -> dict[str, tuple]:
@@ -285,6 +282,12 @@ def _find_wrong_gradient(
     )
     implementation(*copy_inputs(arguments))  # the call that a report shows
     return problems[0] if problems else None
+
+
+ADJOINT = 1e-12
+"""Both inner products of an adjoint may differ by so much, relative to the norms of the factors."""
+ADJOINT_IN_FLOAT32 = 1e-4
+"""The same where an argument is an array of float32."""
 
 
 def _compare_inner_products(
@@ -379,6 +382,12 @@ def _is_decided_by_rounding(operation: Operation, case: Case) -> bool:
     return case.get("layout") == "broadcast" and not operation.has_right_gradients
 
 
+FLOAT32_ULPS = 64
+"""A result of float32 may be off by so many roundings of float32."""
+OWN_ULPS = 1024
+"""The same for an operation of one's own, whose terms may cancel."""
+
+
 def _error_of_float32(
     operation: Operation, inputs: Inputs, expected: np.ndarray, change: float
 ) -> float:
@@ -452,6 +461,10 @@ def _compare_inputs(operation: Operation, implementation: Callable, case: Case) 
             for name, result in name_results(operation, call.value, pulled).items():
                 require_finite(name, result)
         yield from compare_with_copies([*copies[:-1], dy], inputs, "pullback")
+
+
+FURTHER_CALLS = 7
+"""In some cases a result is compared again after so many further calls."""
 
 
 def _compare_calls(operation: Operation, implementation: Callable, case: Case) -> Pairs:

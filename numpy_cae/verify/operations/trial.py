@@ -28,17 +28,6 @@ from numpy_cae.verify.operations.diagnosis import likely_mistake
 from numpy_cae.verify.operations.operation_catalogue import example_call
 from numpy_cae.verify.operations.property import Outcome, Property
 
-MISTAKE_OF_KIND = {
-    ALTERED: "That array is written to, as by -= or out=: a new one is needed.",
-    DTYPE: "An array in it has a dtype of its own, such as np.zeros(n), which is float64.",
-    OVERWRITTEN: "The next call changes what one returned: it is kept in one array or list.",
-}
-"""The likely mistake where the kind of a mismatch tells it."""
-C_ORDER = "Memory in another order is read as if it were in C order, as strides and reshape may do."
-UNSTEADY = "called again with the same arguments, it returns something else"
-UPSTREAMS_OF_LINEARITY = ("dy", "dy'", "2 dy - 3 dy'")
-"""The names of the upstream gradients that "linearity" gives, in their order."""
-
 
 class _Recorder:
     """An implementation with the arguments of its last call, or of the last pullback called.
@@ -66,6 +55,9 @@ class _Recorder:
             return pullback(*upstream)
 
         return value, record_pullback
+
+
+UNSTEADY = "called again with the same arguments, it returns something else"
 
 
 def try_property(
@@ -117,6 +109,15 @@ def _describe_problem(
         if case not in (property_.cases()[0], simplest_case(property_.sizes)):
             problem += "; smaller cases were right"
     return problem
+
+
+MISTAKE_OF_KIND = {
+    ALTERED: "That array is written to, as by -= or out=: a new one is needed.",
+    DTYPE: "An array in it has a dtype of its own, such as np.zeros(n), which is float64.",
+    OVERWRITTEN: "The next call changes what one returned: it is kept in one array or list.",
+}
+"""The likely mistake where the kind of a mismatch tells it."""
+C_ORDER = "Memory in another order is read as if it were in C order, as strides and reshape may do."
 
 
 def _describe_mistake(
@@ -192,6 +193,10 @@ def _describe_example(
     if sum(map(len, lines)) > LONGEST_ARGUMENTS:
         lines = [example_call(property_, case)]
     return [str(case), *lines, *_describe_result(error)]
+
+
+UPSTREAMS_OF_LINEARITY = ("dy", "dy'", "2 dy - 3 dy'")
+"""The names of the upstream gradients that "linearity" gives, in their order."""
 
 
 def _name_upstreams(property_: Property, upstreams: Sequence) -> dict[str, Any]:

@@ -12,8 +12,6 @@ import numpy as np
 
 ORDINARY = "ordinary"
 THE_SAME = "the same array"
-MIXED_CLASSES = 10
-"""So many of the first classes are mixed in the arrays of "mixed"."""
 
 Draw = Callable[[np.random.Generator, tuple[int, ...], float], np.ndarray]
 """(rng, shape, reach) -> array, whose entries are mostly between -reach and reach."""
@@ -73,6 +71,10 @@ def _large(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np
 
 def _offset(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
     return 1e4 + spread(rng, shape, reach)
+
+
+MIXED_CLASSES = 10
+"""So many of the first classes are mixed in the arrays of "mixed"."""
 
 
 def _mixed(rng: np.random.Generator, shape: tuple[int, ...], reach: float) -> np.ndarray:
