@@ -8,7 +8,7 @@ examples, with the files that `numpy-cae demo` writes:
   numpy-cae edit demo/true.bvh -o mirrored.bvh --mirror
   numpy-cae edit demo/true.bvh -o slower.bvh --resample 15
   numpy-cae edit demo/damaged.bvh -o calm.bvh --median 2 --joint left_elbow --frames 30 60
-  numpy-cae edit demo/damaged.bvh -o smooth.bvh --low-pass 6 --fade 0.2 --frames 30 60
+  numpy-cae edit demo/damaged.bvh -o low_pass.bvh --low-pass 6 --fade 0.2 --frames 30 60
   numpy-cae edit demo/true.bvh -o turned.bvh --euler
 """
 
