@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from numpy_cae.cleanup.finding import Finding
-from numpy_cae.cleanup.kinds import LIMB_TURNED, REPEATED, TURNED
+from numpy_cae.cleanup.kinds import LIMB_TURNED, LIMB_TURNED_QUICKLY, REPEATED, TURNED
 from numpy_cae.cleanup.measures import is_larger, measure_view
 from numpy_cae.cleanup.view import SHARP, View
 from numpy_cae.motion.contacts import foot_speeds, lower_foot
@@ -116,7 +116,7 @@ def has_worse_figures(before: View, after: View, findings: Sequence[Finding]) ->
     sliding, sliding_after = standing_speeds(before, after)
     stood = np.ones(len(before), bool)
     for finding in findings:
-        if finding.row in (REPEATED, LIMB_TURNED, TURNED):
+        if finding.row in (REPEATED, LIMB_TURNED, LIMB_TURNED_QUICKLY, TURNED):
             stood[finding.stretch] = False
     sliding = sliding[stood]
     standing = max(np.count_nonzero(sliding), 1)

@@ -15,6 +15,8 @@ ROTATION, ROOT, BONE = "rotation", "root", "bone"
 """The channels of a joint: its rotation; its translation if it moves the whole body; its
 translation if it is the length of a bone."""
 HIPS = ("left_hip", "right_hip")
+TURNED_JOINTS = (*HIPS, "left_shoulder", "right_shoulder")
+"""The joints that turn a limb."""
 TOES = ("left_toe", "right_toe")
 
 
@@ -67,6 +69,8 @@ ROOT_ELSEWHERE = Kind(
 TURNED = Kind("turned", "displacements", is_of_one_joint=True, channel=ROTATION, is_offset=True)
 # A hip is turned, by a turn that begins and ends within a few frames.
 LIMB_TURNED = Kind("limb turned", "limb turns", HIPS)
+# A hip or a shoulder is turned, by a turn that begins and ends within a few hundredths of a second.
+LIMB_TURNED_QUICKLY = Kind("limb turned quickly", "quick turns", TURNED_JOINTS)
 # A rotation is another between a jump and the jump back.
 DISPLACED = Kind(
     "displaced", "displacements", is_of_one_joint=True, channel=ROTATION, is_filled=True
@@ -94,7 +98,8 @@ MARKED = Kind("marked", joints=(BODY, *JOINTS))
 KINDS = {
     kind.name: kind
     for kind in (
-        *(T_POSE, ROOT_ELSEWHERE, TURNED, LIMB_TURNED, DISPLACED, SPIKE, LENGTH),
+        *(T_POSE, ROOT_ELSEWHERE, TURNED, LIMB_TURNED, LIMB_TURNED_QUICKLY, DISPLACED),
+        *(SPIKE, LENGTH),
         *(REPEATED, FROZEN, NOT_FINITE, JUMPS, JITTER, FOOT, MARKED),
     )
 }

@@ -47,9 +47,10 @@ from numpy_cae.cleanup.judging import (
     measure_changes,
 )
 from numpy_cae.cleanup.jumps import find_jitter, find_jumps, mend_jumps, smooth_motion
-from numpy_cae.cleanup.kinds import BODY, MARKED, T_POSE
+from numpy_cae.cleanup.kinds import BODY, MARKED, REPEATED, T_POSE
 from numpy_cae.cleanup.limb_turns import find_limb_turns, mend_limb_turns
 from numpy_cae.cleanup.presets import Preset
+from numpy_cae.cleanup.quick_turns import find_quick_turns, mend_quick_turns
 from numpy_cae.cleanup.result import Repaired, compare_motions, join_motions, measure_distances
 from numpy_cae.cleanup.spikes import find_spikes
 from numpy_cae.cleanup.view import View
@@ -132,6 +133,7 @@ class Step(NamedTuple):
 
 
 STEPS = (
+    Step("quick turns", find_quick_turns, mend_quick_turns, 3.0),
     Step("freezes", None, interpolate_damage, 0.6),
     Step("displacements", None, mend_displacements, 0.2),
     Step("spikes", None, interpolate_damage, 0.1),
@@ -388,11 +390,12 @@ def mend_view(
     """
     verdicts = verdicts or {}
     segments = find_segments(view, preset.sensitivity)
+    holds_poses = is_held(segments, len(view))
     damage: list[Finding] = []
     for step in steps_with(manifold):
         if step.option and not step.is_chosen(preset):
             continue
-        if not step.option and is_held(damage, len(view)):
+        if holds_poses and not step.option and step.name != REPEATED.step:
             continue
         if step.find:
             findings = step.find(view, preset.sensitivity)

@@ -458,7 +458,7 @@ def find_holds(curve: Curve, others_move: np.ndarray) -> list[Event]:
     for first, end in runs(is_still).tolist():
         if end - first < HOLD_SECONDS * curve.rate or not others_move[first:end].mean() > 0.5:
             continue
-        if recurs(curve, first, end):
+        if first == 0 or recurs(curve, first, end):
             continue
         gain = HOLD_NATS * (end - first) * RATE / curve.rate
         reach = max(RAMPS)
