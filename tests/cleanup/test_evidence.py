@@ -415,7 +415,7 @@ def test_our_name_of_a_joint_comes_before_a_joint_of_the_rig_of_that_name():
 
 
 def test_every_step_says_which_share_of_the_time_has_passed(untrained_manifold):
-    for preset, steps in ((None, 5), (PRESETS["video"], 7)):
+    for preset, steps in ((None, 6), (PRESETS["video"], 8)):
         shares: list[float] = []
         motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
         repair_motion(motion, untrained_manifold, preset=preset, progress=shares.append)
