@@ -55,7 +55,7 @@ def check_second_derivatives(
     ... )
     >>> check_second_derivatives(cube, lambda x, dy: lambda v: (6 * x * v, 3 * x**2 * v), x)
     Traceback (most recent call last):
-    AssertionError: of the gradients of f: the gradient for x, shape (2,), is wrong at index (0,)
+    AssertionError: of the gradients of f: the gradient for x, shape (2,), is wrong at index (1,)
         ...
     """
     rng = np.random.default_rng(0) if rng is None else rng
