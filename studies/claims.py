@@ -20,7 +20,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from data_synth import plan_takes, write_series
+from data_synth import KINDS, plan_takes, write_series
 from numpy_cae.manifold import MotionManifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, recipe
 from studies import interpolation, sequence_choices, sequences
@@ -146,13 +146,19 @@ def in_order_of_statements(judged: list[JudgedClaim]) -> list[JudgedClaim]:
 
 
 def make_material(
-    folder: Path, minutes: float, seed: int, motion_kinds: Sequence[str] | None = None
+    folder: Path, minutes: float, seed: int, motion_kinds: Sequence[str] = KINDS
 ) -> Material:
-    """Synthetic takes in files, every fifth for testing."""
+    """Synthetic takes in files, for testing every fifth; of few kinds every fifth of each, from the
+    first on, so that each kind is tested."""
     plans = plan_takes(minutes, seed, motion_kinds)
     note(f"{len(plans)} takes are made")
     write_series(plans, folder, rate=RATE)
-    return read_material([folder], [f"{plan.name}.bvh" for plan in plans[4::5]])
+    testing = plans[4::5]
+    if len(motion_kinds) < len(KINDS):
+        testing = []
+        for kind in motion_kinds:
+            testing += [plan for plan in plans if plan.kind == kind][::5]
+    return read_material([folder], [f"{plan.name}.bvh" for plan in testing])
 
 
 def networks_to_judge(

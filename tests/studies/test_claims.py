@@ -88,6 +88,11 @@ def test_networks_of_each_recipe_and_seed_are_kept(labelled, tmp_path, monkeypat
     assert np.any(networks[claims.BEST][1].network.parameters["w1"] != first)
 
 
+def test_each_kind_of_the_press_ups_is_tested(tmp_path):
+    material = claims.make_material(tmp_path, 1.5, 0, ("press_ups", "walk"))
+    assert {take.content for take in material.testing} == {"press_ups", "walk"}
+
+
 def test_a_delay_changes_only_the_velocity_of_the_hips(result_of):
     _, shares, _, _ = result_of("comparison").tables
     assert shares.value(RAW_EXTREMES, "24 frames") < 0.02
