@@ -53,7 +53,8 @@ INDEPENDENT_RATE = 30.0
 """At rates above this, the costs of frames are multiplied by √(this / rate): neighbouring frames
 are alike."""
 RAMPS = (1, 2, 3, 5, 9)
-"""A turn begins, and ends, within one of these numbers of steps."""
+"""A turn begins, and ends, within one of these numbers of steps; which of them are quick is
+`LONGEST_RAMP_SECONDS`."""
 LONGEST_RAMP_SECONDS = 0.085
 """A turn begins, and ends, within this time (s): in 400 clips of synthetic kicks, punches, runs and
 jumps at 24 to 120 frames a second one end at least of what looks like a turn is slower."""
@@ -296,18 +297,19 @@ def activity_of(costs: Sequence[Costs]) -> np.ndarray:
 
 
 def turns_of(costs: Costs) -> list[Turn]:
-    """The turns of a channel that explain more than they cost, no two of which touch, the largest
-    gain first."""
+    """The quick turns of a channel that explain more than they cost, no two of which touch, the
+    largest gain first. Slow ones compete with them, and so do those within a step."""
     turns: list[Turn] = []
     for turn in sorted(pairs_of(costs), key=lambda candidate: -candidate.gain):
         if turn.gain > 0 and not any(turn.touches(earlier) for earlier in turns):
             turns.append(turn)
-    return [turn for turn in turns if is_large(turn) and not is_abrupt(turn)]
-
-
-def is_abrupt(turn: Turn) -> bool:
-    """Whether a turn begins and ends within a step."""
-    return max(turn.rise, turn.fall) == 1
+    longest = LONGEST_RAMP_SECONDS * costs.rate
+    quick = []
+    for turn in turns:
+        slower = max(turn.rise, turn.fall)
+        if 1 < slower <= longest and is_large(turn):
+            quick.append(turn)
+    return quick
 
 
 def is_large(turn: Turn) -> bool:
@@ -321,8 +323,6 @@ def find_ends(costs: Costs) -> Ends:
     parts = []
     total = np.concatenate([[0.0], np.cumsum(costs.cost())])
     for steps in RAMPS:
-        if steps > max(1.0, LONGEST_RAMP_SECONDS * costs.rate):
-            continue
         frame = np.arange(1, len(costs.size) - steps - 1)
         if not len(frame):
             continue
