@@ -9,6 +9,8 @@ and writes them into docs/results.md and the lab book, between lines such as
     <!-- table damage 0 -->
     <!-- end of table -->
 
+or, with its rows as columns, <!-- table damage 0 transposed -->.
+
 Without a report the charts and tables are made again from what is kept.
 """
 
@@ -34,8 +36,11 @@ from studies.shared.charts import (
 from studies.shared.result import Table
 
 DOCS = Path(__file__).parents[1] / "docs"
-TABLE = re.compile(r"(<!-- table (\w+) (\d+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
-"""Where a document has a table: the study and the number of the table among its tables, from 0."""
+TABLE = re.compile(
+    r"(<!-- table (\w+) (\d+)( transposed)? -->\n).*?(<!-- end of table -->)", re.DOTALL
+)
+"""Where a document has a table: the study, the number of the table among its tables, from 0, and
+whether its rows are columns."""
 DPI = 150
 
 
@@ -79,8 +84,11 @@ def write_tables(document: str) -> str:
     """A document with the tables that are kept."""
 
     def table(found: re.Match) -> str:
-        kept = kept_tables(found[2])[int(found[3])]
-        return found[1] + replace(kept, caption="").text() + "\n" + found[4]
+        kept = replace(kept_tables(found[2])[int(found[3])], caption="")
+        if found[4]:
+            columns = [list(column) for column in zip(kept.header, *kept.rows, strict=True)]
+            kept = replace(kept, header=columns[0], rows=columns[1:])
+        return found[1] + kept.text() + "\n" + found[5]
 
     return TABLE.sub(table, document)
 
