@@ -47,14 +47,14 @@ SMALL_STUDIES = ("training_choices", "depth", "scaling")
 """Studies that train smaller networks themselves."""
 RATE = 30.0
 SEEDS = 3
-MINUTES = {False: 20.0, True: 5.0}
+MINUTES = {False: 20.0, True: 4.0}
 """Minutes of the synthetic takes, every fifth of which is measured, and with --quick."""
 PRESS_UPS = ("press_ups", "walk", "confident_walk")
 """Kinds of the takes from which the network of press-ups learns."""
-SEQUENCES = {False: (15.0, 1000, 40), True: (2.0, 60, 10)}
+SEQUENCES = {False: (15.0, 1000, 40), True: (1.0, 40, 8)}
 """Minutes of each action of jang2018, steps of training and points of its curve, without --quick
 and with it."""
-CHOICES = {False: (8.0, 400), True: (1.0, 40)}
+CHOICES = {False: (8.0, 400), True: (0.5, 20)}
 """Minutes and steps of the choices of jang2018."""
 QUICK_EPOCHS = 20
 """Epochs of the network with --quick."""
