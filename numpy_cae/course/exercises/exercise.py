@@ -39,13 +39,14 @@ from numpy_cae import ops
 from numpy_cae.course.exercises import arguments, checks
 from numpy_cae.course.exercises.own_checks import CHECKS
 from numpy_cae.course.solutions import building_blocks, first_paper, second_paper
+from numpy_cae.course.suspects import accuse
 from numpy_cae.verify.operations.operation import OPERATIONS, Operation, sizes_of
 from numpy_cae.verify.operations.operation_catalogue import Exercise, properties_of_operation
 from numpy_cae.verify.operations.property import EXAMPLES, GRADIENT, REST, VALUE, Property
 from numpy_cae.verify.operations.shared_properties import shared_properties
 
 FOLDER = Path(__file__).parent
-SOLUTIONS = vars(building_blocks) | vars(first_paper) | vars(second_paper)
+SOLUTIONS = vars(building_blocks) | vars(first_paper) | vars(second_paper) | {"accuse": accuse}
 TABLES = {
     path.stem.removeprefix("lesson_"): tomllib.loads(path.read_text(encoding="utf-8"))
     for path in sorted(FOLDER.glob("*.toml"))

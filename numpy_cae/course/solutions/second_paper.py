@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from numpy_cae.course.suspects import accuse as accuse
 from numpy_cae.ops import gru, gru_step, linear, mean_squared_error, sliced_wasserstein
 
 
