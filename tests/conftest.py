@@ -62,6 +62,36 @@ def forked_grading(tmp_path, monkeypatch, grader):
 
 
 @pytest.fixture(scope="session")
+def graded_contents():
+    """The grader's replies, as JSON, by what was graded."""
+    return {}
+
+
+@pytest.fixture
+def shared_grading(forked_grading, graded_contents, monkeypatch):
+    """Grade files of the same content once, for tests of what is made from the grader's replies.
+
+    The content and the request decide on a reply; the name of the file may not be in it.
+    """
+    from numpy_cae.verify.grading import student_file
+
+    grade_in_fork = student_file.run
+    free = Lock()
+
+    def run(request):
+        path = Path(request["path"])
+        graded = path.suffix, path.read_bytes(), json.dumps(request | {"path": ""}, sort_keys=True)
+        with free:
+            if graded not in graded_contents:
+                reply = json.dumps(grade_in_fork(request))
+                assert path.name not in reply
+                graded_contents[graded] = reply
+            return json.loads(graded_contents[graded])
+
+    monkeypatch.setattr(student_file, "run", run)
+
+
+@pytest.fixture(scope="session")
 def data_folder() -> Path:
     """The folder of real motion files that NUMPY_CAE_DATA names; the test is skipped without it."""
     folder = Path(os.environ.get("NUMPY_CAE_DATA", ""))

@@ -135,7 +135,7 @@ def row_words(row):
 
 
 @pytest.mark.parametrize("row", ROWS, ids=NAMES)
-def test_a_file_of_the_users_is_not_lost(row, place, forked_grading, capsys):
+def test_a_file_of_the_users_is_not_lost(row, place, shared_grading, capsys):
     path = place / "out" / row[2]
     path.write_text("my notes\n")
     status = main(row_words(row))
@@ -152,7 +152,7 @@ def test_a_file_of_the_users_is_not_lost(row, place, forked_grading, capsys):
 @pytest.mark.parametrize(
     "row", [row for row in ROWS if WRITES[row][1] == REFUSED and row[0] not in SLOW]
 )
-def test_overwriting_follows_a_link_and_keeps_the_mode(row, place, forked_grading):
+def test_overwriting_follows_a_link_and_keeps_the_mode(row, place, shared_grading):
     kept = place / "elsewhere"
     kept.write_text("my notes\n")
     kept.chmod(0o640)
@@ -165,7 +165,7 @@ def test_overwriting_follows_a_link_and_keeps_the_mode(row, place, forked_gradin
 
 
 @pytest.mark.parametrize("row", [row for row in ROWS if WRITES[row][1] != KEPT], ids=str)
-def test_a_pipe_is_refused(row, place, forked_grading, capsys):
+def test_a_pipe_is_refused(row, place, shared_grading, capsys):
     path = place / "out" / row[2]
     os.mkfifo(path)
     assert main([*row_words(row), "--overwrite"]) == 2

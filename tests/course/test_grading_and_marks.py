@@ -216,7 +216,7 @@ def test_a_large_file_in_a_zip_costs_one_student(tmp_path, monkeypatch):
     assert bob.fault == "" and bob.path.read_text() == FRAMES_SEEN
 
 
-def test_marks_and_feedback_of_a_class(tmp_path, capsys):
+def test_marks_and_feedback_of_a_class(tmp_path, capsys, shared_grading):
     submitted, table, feedback = (tmp_path / name for name in ("in", "marks.csv", "feedback"))
     hand_in(submitted / "ann" / "week" / "07_going_deep.ipynb", FRAMES_SEEN)
     hand_in(submitted / "=cmd()_07.ipynb", WRONG_FRAMES_SEEN)
@@ -259,7 +259,7 @@ def test_nobodys_feedback_is_lost_whatever_the_names(tmp_path):
 
 @pytest.mark.parametrize("system", CLASSES["systems"])
 def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
-    system, tmp_path, capsys, forked_grading
+    system, tmp_path, capsys, shared_grading
 ):
     export, encoding, names = CLASSES["systems"][system]
     submitted, table, roster = (tmp_path / name for name in ("in", "marks.csv", "class.csv"))
@@ -298,7 +298,7 @@ def test_marks_go_through_the_roster_of_a_system_and_a_second_run_keeps_them(
     assert read_roster(tmp_path / "marks.1.csv").students[of_sid]["tanh"] == "excused"
 
 
-def test_an_import_that_would_be_wrong_is_refused_and_says_why(tmp_path, capsys, forked_grading):
+def test_an_import_that_would_be_wrong_is_refused_and_says_why(tmp_path, capsys, shared_grading):
     submitted, roster = tmp_path / "in", tmp_path / "class.csv"
     hand_in(submitted / "ann.ipynb", FRAMES_SEEN), hand_in(submitted / "bob.ipynb", FRAMES_SEEN)
     command = ["verify", str(submitted), "--csv", str(tmp_path / "m.csv"), "--feedback"]
