@@ -116,7 +116,7 @@ done()
 """,
     "shared memory": """
 from multiprocessing import shared_memory
-shared_memory.SharedMemory(create=True, size=2**20, name="numpy_cae_hostile")
+shared_memory.SharedMemory(create=True, size=2**20, name=outside.replace("/", "_"))
 done()
 """,
     "shared memory of System V": """
