@@ -21,7 +21,7 @@ import numpy as np
 from scipy.interpolate import pchip_interpolate
 
 from numpy_cae.evaluation import angle_distance, position_error
-from numpy_cae.evaluation.baselines import PCA, Gaussian, apply_linear_map, fit_gaussian
+from numpy_cae.evaluation.baselines import PCA, RIDGE, Gaussian, apply_linear_map, fit_gaussian
 from numpy_cae.evaluation.pose_dynamics import PoseDynamics
 from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.completion import interpolate_gaps, zeroed_fraction
@@ -164,6 +164,9 @@ P = 0.5
 """The probability with which a value is removed."""
 FITTED = 2000
 """Baselines are fitted to at most this many windows, evenly spaced, to save memory and time."""
+WITH_MASK = 16
+"""`compare_repairs` measures methods that are given the mask on at most this many windows, evenly
+spaced: completing a window takes most of a second."""
 SIZES = (1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 63, 100, 150, 200, 300, 450, 700, 1000, None)
 """Numbers of axes of PCA, the last one all, of which the best is taken."""
 MEAN = "the mean pose"
@@ -186,7 +189,8 @@ NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
     "what is left of the damage. PCA has the number of axes that is best for the repair of the "
     "test takes, which favours PCA. PCA, the linear map and the Gaussian are fitted to the "
-    'training takes. Rows with "mask:" are given which values are missing.'
+    'training takes. Rows with "mask:" are given which values are missing, and are measured on at '
+    f"most {WITH_MASK} windows."
 )
 
 
@@ -204,14 +208,26 @@ def compare_repairs(
     """
     fitted = clips_of(manifold, training)
     test = clips_of(manifold, testing)
+    repairs = Repairs(manifold, fitted, ridge=RIDGE)
     damaged = zero_values(test.x, P, np.random.default_rng(seed))
-    before = test.error(damaged)
-    rows = []
-    for name, undamaged, repaired in Repairs(manifold, fitted).apply(test, damaged, P):
-        error = test.error(repaired)
-        rows.append([name, test.error(undamaged), error, error / before])
+    rows = _error_rows(test, damaged, repairs.apply_to_zeros(test, damaged, P))
+    some = test.pick_evenly(WITH_MASK)
+    damaged = zero_values(some.x, P, np.random.default_rng(seed))
+    given_mask = repairs.apply_with_mask(some, damaged, (SPLINE, GAUSSIAN, COMPLETED))
+    rows += _error_rows(some, damaged, given_mask)
     title = f"{len(testing)} test takes, {len(test)} windows, errors in cm:"
     return Table(title, ["method", "reconstruction", "half removed", "share"], rows)
+
+
+def _error_rows(test: Clips, damaged: np.ndarray, repaired: Iterator[tuple]) -> list[list]:
+    """For each method its name, its errors on undamaged and on damaged windows, and the latter
+    divided by the error of the damage."""
+    before = test.error(damaged)
+    rows = []
+    for name, of_undamaged, of_damaged in repaired:
+        error = test.error(of_damaged)
+        rows.append([name, test.error(of_undamaged), error, error / before])
+    return rows
 
 
 class Repairs:
@@ -235,6 +251,11 @@ class Repairs:
     def apply(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
         """The name of each method, and what it makes of the undamaged windows and of the damaged
         ones, in which zeros, a share p of the values, are missing."""
+        yield from self.apply_to_zeros(test, damaged, p)
+        yield from self.apply_with_mask(test, damaged, tuple(self.methods_with_mask()))
+
+    def apply_to_zeros(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
+        """The methods of `apply` that are given the zeros as they are."""
         x = test.x
         yield DAMAGED, x, damaged
         yield MEAN, 0 * x, 0 * x
@@ -247,9 +268,17 @@ class Repairs:
             project = partial(self.manifold.project_windows, average_shifts=average)
             projected = apply_to_real_frames(project, test.real, x)
             yield name, projected, apply_to_real_frames(project, test.real, damaged)
+
+    def apply_with_mask(
+        self, test: Clips, damaged: np.ndarray, names: Sequence[str]
+    ) -> Iterator[tuple]:
+        """The methods of these names, which are given which values are missing: those that are
+        zero."""
         known = damaged != 0
-        for name, complete in self.methods_with_mask().items():
-            yield name, x, apply_to_real_frames(complete, test.real, damaged, known)
+        methods = self.methods_with_mask()
+        for name in names:
+            completed = apply_to_real_frames(methods[name], test.real, damaged, known)
+            yield name, test.x, completed
 
     def methods_with_mask(self) -> dict[str, Callable[..., np.ndarray]]:
         """The methods that are given windows (N, T, 63) and the mask of what is known."""
