@@ -1,6 +1,6 @@
 """The system refuses what hostile files try, and nothing that they change in their process counts.
 
-Where the kernel has neither Landlock nor filters of system calls, docs/verify.md says what holds.
+docs/grading_files.md says what holds where the kernel has neither Landlock nor such filters.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""Real bugs of other projects, re-enacted: docs/verify.md lists them with their links."""
+"""Real bugs of other projects, re-enacted: docs/evidence.md lists them with their links."""
 
 import re
 

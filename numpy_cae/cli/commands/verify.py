@@ -180,7 +180,7 @@ def _warn_without_confinement() -> None:
     missing = [name for name in (LANDLOCK, SECCOMP) if name not in names_of_mechanisms()]
     if missing:
         text = f"this system has no {' and no '.join(missing)}: a file can change what you can"
-        print(f"{text} (docs/verify.md, What is not guarded)", file=sys.stderr)
+        print(f"{text} (docs/grading_files.md, What is not guarded)", file=sys.stderr)
 
 
 def _nothing_to_grade(paths: Sequence[Path]) -> str:

@@ -53,7 +53,7 @@ def check_gradients(
 ) -> None:
     """Raise unless the pullback of f agrees with differences of the value, for every argument.
 
-    docs/verify.md explains how steps are chosen, and how kinks and float32 are handled.
+    docs/what_is_tried.md explains how steps are chosen, and how kinks and float32 are handled.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """The properties that every operation shares: its value, each gradient, dtype, purity, strides.
 
-docs/verify.md lists what is not tested because the contract leaves it open.
+docs/what_is_tried.md lists what is not tested because the contract leaves it open.
 """
 
 from collections.abc import Callable, Iterator, Mapping
