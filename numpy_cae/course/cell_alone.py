@@ -7,6 +7,7 @@ So a function is tested as its cell alone defines it, with the names that the le
 import ast
 import linecache
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +21,24 @@ NOTEBOOK = "__main__"
 """The module of what the cells of a notebook define."""
 
 
-def as_graded(name: str, function: Callable) -> tuple[Callable, list[str]]:
+class Graded(NamedTuple):
+    """A function as the grader has it.
+
+    Attributes
+    ----------
+    function : callable
+    problems : list of str
+        What is wrong with its cell, for the student.
+    has_points : bool
+        False for an attempt under another name, which the grader does not look for.
+    """
+
+    function: Callable
+    problems: list[str]
+    has_points: bool = True
+
+
+def as_graded(name: str, function: Callable) -> Graded:
     """The function as the grader has it, and what is wrong with the cell, for the student.
 
     Parameters
@@ -29,37 +47,41 @@ def as_graded(name: str, function: Callable) -> tuple[Callable, list[str]]:
         An exercise, or an operation.
     function : callable
         A function that a cell of the notebook defines. One of another origin, such as a module, is
-        returned as it is.
+        returned as it is. One of another name, such as an attempt, is returned as its cell defines
+        it, without points.
     """
     cell = _cell_of(function)
     if cell is None:
-        return function, []
+        return Graded(function, [])
     space = _names_provided(name)
-    problems = []
     try:
         tree = ast.parse(cell)
         refused = _refused_import(tree)
         exec(compile(definitions_of(tree, name), file_of(function), "exec"), space)
     except Exception as error:
-        return function, [f"the cell of {name} cannot be run alone: {error}"]
+        return Graded(function, [f"the cell of {name} cannot be run alone: {error}"])
     if refused:
-        problems.append(f"the grader refuses the import of {refused}: write {name} by hand")
-        return _raise(ImportError(f"{refused} may not be imported")), problems
+        problem = f"the grader refuses the import of {refused}: write {name} by hand"
+        return Graded(_raise(ImportError(f"{refused} may not be imported")), [problem])
     alone = space.get(name)
     if not callable(alone):
-        problems.append(f"the grader tests what a `def {name}` defines, and the cell has none")
-        return _raise(NameError(f"it has no function {name}")), problems
+        problem = f"no points: the grader tests what a `def {name}` defines, and the cell has none"
+        attempt = space.get(function.__name__)
+        if not callable(attempt):
+            attempt = _raise(NameError(f"it has no function {name}"))
+        return Graded(attempt, [problem], has_points=False)
     code = getattr(alone, "__code__", None)
     if code is None:
-        return alone, problems
+        return Graded(alone, [])
     missing = [used for used in global_names(code) if used not in space]
     elsewhere = [used for used in missing if used in getattr(function, "__globals__", {})]
+    problems = []
     for used in dict.fromkeys(elsewhere):
         problems.append(
             f"{used} is defined in another cell. The grader and later lessons have the cell of "
             f"{name} alone: define {used} in it"
         )
-    return alone, problems
+    return Graded(alone, problems)
 
 
 def _cell_of(function: Callable) -> str | None:

@@ -5,7 +5,7 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
 
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
-from numpy_cae.course.cell_alone import as_graded
+from numpy_cae.course.cell_alone import Graded, as_graded
 from numpy_cae.course.exercises.exercise import MAKES, with_hint
 from numpy_cae.course.feedback import Feedback, Printed
 from numpy_cae.course.mine_file import FILE, NotSavedError, nbgrader_runs, read_mine, run_mine, save
@@ -40,7 +40,10 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
         function = attempt_of(function)
         if function is unsolved:
             print(f"{name} is the package's own now: run the cell with your function again first")
-    function = _print_problems(name, function)
+    graded = _print_problems(name, function)
+    function = graded.function
+    if not graded.has_points:
+        exercise = _without_points(exercise)
     if nbgrader_runs():
         with redirect_stdout(Printed()), redirect_stderr(Printed()):  # it would give 0 points
             result = Report(exercise, called, try_all(exercise, function))
@@ -66,9 +69,9 @@ def solved(name: str, function: Callable) -> Callable:
         raise ValueError(f"no exercise is called {name!r}; there are {', '.join(EXERCISES)}")
     is_right = False
     if not is_stand_in(function):
-        alone = _print_problems(name, function)
+        graded = _print_problems(name, function)
         with redirect_stdout(Printed()):
-            is_right = holds(EXERCISES[name], alone)
+            is_right = graded.has_points and holds(EXERCISES[name], graded.function)
     if not is_right:
         again = "run this cell again when yours is right"
         print(f"{name}: the next cells use the package's own; {again}")
@@ -82,12 +85,18 @@ def solved(name: str, function: Callable) -> Callable:
     return function
 
 
-def _print_problems(name: str, function: Callable) -> Callable:
+def _print_problems(name: str, function: Callable) -> Graded:
     """The function as the grader has it; what is wrong with its cell is printed."""
-    alone, problems = as_graded(name, function)
-    for problem in problems:
+    graded = as_graded(name, function)
+    for problem in graded.problems:
         print(problem)
-    return alone
+    return graded
+
+
+def _without_points(exercise: operation_catalogue.Exercise) -> operation_catalogue.Exercise:
+    """The exercise, for a function that cannot earn its points."""
+    properties = tuple(replace(property_, points=0) for property_ in exercise.properties)
+    return replace(exercise, properties=properties)
 
 
 def example(name: str, seed: int, **sizes: int) -> dict[str, object]:

@@ -170,3 +170,11 @@ def test_progress_counts_what_is_in_mine(mine, capsys):
     count, made, after = capsys.readouterr().out.splitlines()
     assert count == "5 of 63 functions are yours" and made.endswith("positions from a motion file.")
     assert after == "Next: the features and the way back (lesson 02)."
+
+
+def test_an_attempt_under_another_name_is_reported(mine, capsys):
+    source = "def my_tanh(x):\n    y = np.tanh(x)\n    return y, lambda dy: 1 - y * y\n"
+    report = str(course.report("tanh", in_cell("my_tanh", source)))
+    assert "0 of 0 points" in report
+    assert "FAILED  gradient for x" in report
+    assert "hold: value" in report
