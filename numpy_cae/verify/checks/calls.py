@@ -27,7 +27,10 @@ def call_operation(f: Callable, inputs: Sequence) -> tuple[Any, Callable]:
     if not any(is_float(output) for output in outputs):
         raise TypeError(f"expected a value of floats, got {describe(returned[0])}")
     if any(np.iscomplexobj(output) for output in outputs):
-        raise TypeError("the value is complex: return its real and imaginary part as two outputs")
+        raise TypeError(
+            "the value is complex: check `verify.of_complex(f)`, in which each complex number is a "
+            "pair of real ones"
+        )
     return returned
 
 
@@ -40,7 +43,10 @@ def call_for_array(f: Callable, inputs: Sequence) -> tuple[np.ndarray, Callable]
     """`call_operation`, for a value that is one array or number."""
     value, pullback = call_operation(f, inputs)
     if isinstance(value, tuple | list):
-        raise TypeError(f"expected a value of floats, got {describe(value)}")
+        raise TypeError(
+            f"expected a value of floats, got {describe(value)}. Several outputs are checked by "
+            "`verify.check_gradients`, or here when they are joined into one array"
+        )
     return np.asarray(value), pullback
 
 

@@ -29,7 +29,10 @@ AGAIN = (
     "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
     "gradients: it is not linear, or keeps something between calls"
 )
-OTHERWISE = "called again, f returns another {}: randomness comes in as an argument"
+OTHERWISE = (
+    "called again, f returns another {}: if it draws random numbers, give it the mask, or seed its "
+    "generator in each call"
+)
 OVERWRITTEN = "the gradient that was returned first is overwritten by the second"
 REPEATED_ROUNDINGS = 1000
 """Repeated results may differ by so many roundings of the largest of them."""

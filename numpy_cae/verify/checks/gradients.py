@@ -39,8 +39,8 @@ Judged = tuple[np.ndarray, Verdict]
 """A direction and the verdict on it."""
 
 
-WORDS_OF_FURTHER_PROBLEMS = 60
-"""Of a second and further wrong gradient so many words are printed."""
+LINES_OF_FURTHER_PROBLEMS = 3
+"""Of a second and further wrong gradient so many lines are printed: where, and both numbers."""
 
 
 def check_gradients(
@@ -96,8 +96,9 @@ def check_gradients(
     if problems:
         lines = [str(problems[0])]
         for problem in problems[1:]:
-            words = str(problem).split()[:WORDS_OF_FURTHER_PROBLEMS]
-            lines.append("also: " + " ".join(words))
+            further = str(problem).splitlines()[:LINES_OF_FURTHER_PROBLEMS]
+            parts = [" ".join(line.split()) for line in further]
+            lines.append("also: " + ", ".join(parts))
         raise AssertionError("\n".join(lines))
 
 

@@ -60,7 +60,12 @@ def has_gradient(name: str, leaf: object) -> bool:
     if not isinstance(leaf, np.ndarray) or not np.issubdtype(leaf.dtype, np.inexact):
         return False
     if leaf.dtype not in (np.float64, np.float32):
-        raise TypeError(f"{name} must be an array of float64 or float32, not of {leaf.dtype}")
+        advice = ""
+        if np.iscomplexobj(leaf):
+            advice = ": `verify.of_complex(f)` takes pairs of real numbers in its place"
+        raise TypeError(
+            f"{name} must be an array of float64 or float32, not of {leaf.dtype}{advice}"
+        )
     return True
 
 
