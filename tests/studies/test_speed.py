@@ -96,6 +96,16 @@ def test_the_table_has_a_row_for_each_case(monkeypatch, load):
     assert all([row[0] for row in table.rows].count(name) == 2 for name in NAMES)
 
 
+def upright_takes(material):
+    """Those of walking and waving, which an untrained network misses by less than ten centimetres.
+
+    It misses press-ups by more, and three epochs change little.
+    """
+    training = [take for take in material.training if take.content != "press_ups"]
+    testing = [take for take in material.testing if take.content != "press_ups"]
+    return replace(material, training=training, testing=testing)
+
+
 @needs_torch
 def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, labelled):
     curves = {"ours": [(2.0, 3.0), (4.0, 1.9), (6.0, 1.0)], "theirs": [(5.0, 4.0), (10.0, 2.0)]}
@@ -106,7 +116,7 @@ def test_a_training_is_timed_to_the_lowest_error_that_all_reach(monkeypatch, lab
     tiny = replace(recipe("fast"), fine_tuning=stage)
     monkeypatch.setattr(time_to_quality.training, "recipe", lambda name: tiny)
     monkeypatch.setattr(time_to_quality, "USUAL", replace(stage, norm=None))
-    table = time_to_quality.time_to_quality(labelled)
+    table = time_to_quality.time_to_quality(upright_takes(labelled))
     assert [row[0] for row in table.rows][1:] == [
         f"PyTorch, {s} settings" for s in ("usual", "our")
     ]
