@@ -36,14 +36,14 @@ NOTE = (
 def run(
     actions: Sequence[Action],
     schedule: SequenceSchedule,
-    network: dict[str, int],
+    sizes: dict[str, int],
     seed: int = 0,
     progress: Callable[[TrainingState], None] | None = None,
     points: int = training.CURVE_POINTS,
 ) -> Result:
     """Train on each action with each regulariser.
 
-    The schedule's weight λ is that of the regulariser; `seed` and `network` are those of
+    The schedule's weight λ is that of the regulariser; `seed` and `sizes` are those of
     `train_study`. `progress` reports a training. The curves have about so many points.
     """
 
@@ -51,7 +51,7 @@ def run(
         note(f"{action.name}, {name}")
         weighted = replace(schedule, weight=weight)
         mmd = name == MMD
-        return training.train_study(action, weighted, seed, progress, mmd, points, **network)
+        return training.train_study(action, weighted, seed, progress, mmd, points, **sizes)
 
     weights = {SLICED: schedule.weight, MMD: MMD_WEIGHT, NONE: 0.0}
     trained: dict[str, list[Study]] = {}

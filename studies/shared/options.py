@@ -57,7 +57,7 @@ OPTIONS = {
     "material": f"data test unseen {READING}",
     "actions": f"data test actions minutes {READING}",
     "schedule": "epochs rate batch steps weight optimiser",
-    "network": "hidden latent frames burn_in",
+    "sizes": "hidden latent frames burn_in",
     "progress": "quiet",
     "trainer": "cache quiet",
     "seed": "seed",
@@ -313,7 +313,7 @@ class Inputs:
         return replace(SEQUENCE_RECIPES[recipe], **changes)
 
     @cached_property
-    def network(self) -> dict[str, int]:
+    def sizes(self) -> dict[str, int]:
         """The sizes of the sequential network, as far as the options say."""
         sizes = self._options_that_are_set("hidden", "latent", "frames", "burn_in")
         if sizes.get("frames", 3) < 3:

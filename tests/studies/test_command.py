@@ -3,13 +3,16 @@
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from numpy_cae.evaluation import tables
-from studies.__main__ import NAMES, main
+from studies import claims
+from studies.__main__ import NAMES, main, parse
 from studies.jang2018 import samples, training
+from studies.shared.options import Inputs
 from studies.shared.result import VERDICTS
 
 TINY = "--test *_3.bvh --hidden 6 --latent 3 --epochs 1 --steps 2 --batch 4 --frames 20".split()
@@ -84,6 +87,12 @@ def test_takes_of_the_training_are_refused(
     assert run("filling_in", "--data", folder, "-o", tmp_path / "out", *words) == 2
     assert message in capsys.readouterr().err.splitlines()[-1]
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("words", "path"), [([], None), (["--network", "x.npz"], Path("x.npz"))])
+def test_the_option_network_of_claims_is_a_file(words, path):
+    inputs = Inputs(parse({"claims": claims}, words))
+    assert inputs.of(claims.run)["network"] == path
 
 
 def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys, monkeypatch):
