@@ -95,8 +95,6 @@ class Finding:
             raise ValueError(f"status is {self.status!r}, expected one of {', '.join(STATUSES)}")
 
     def __repr__(self) -> str:
-        first, last = self.frames
-        frames = f"frames {first} to {last}" if last > first else f"frame {first}"
         reasons = []
         if self.evidence:
             reasons.append(self.evidence)
@@ -106,7 +104,14 @@ class Finding:
         moved = self.movement_in_words()
         separator = ", " if moved else ""
         certainty = f"{moved}{separator}confidence {self.confidence:.2f}"
-        return f"{self.joint}: {frames}: {self.kind}{reason}: {certainty}"
+        return f"{self.place}: {self.kind}{reason}: {certainty}"
+
+    @property
+    def place(self) -> str:
+        """The joint and the frames in words, such as "left_knee: frames 40 to 90"."""
+        first, last = self.frames
+        frames = f"frames {first} to {last}" if last > first else f"frame {first}"
+        return f"{self.joint}: {frames}"
 
     def movement_in_words(self) -> str:
         """How far the repair moves which joint, such as "left_wrist 86.9 cm": without the name
@@ -207,20 +212,22 @@ def check_finding(motion: Motion, finding: Finding) -> Finding:
     if joint not in JOINTS and joint in motion.skeleton.names:
         joint = names[motion.skeleton.index(joint)]
     elif joint not in (BODY, *names):
-        raise ValueError(f"{finding}: the rig has no joint {joint!r}")
+        raise ValueError(f"{finding.place}: the rig has no joint {joint!r}")
     row = finding.row
     if row.joints and joint not in row.joints:
         is_short = len(row.joints) < len(JOINTS)
         expected = ", ".join(row.joints) if is_short else "one of the twenty joints"
-        raise ValueError(f"{finding}: of kind {finding.kind!r} the joint is {expected}")
+        raise ValueError(f"{finding.place}: of kind {finding.kind!r} the joint is {expected}")
     if joint == BODY and row.is_of_one_joint:
-        raise ValueError(f"{finding}: of kind {finding.kind!r} name the joint")
+        raise ValueError(f"{finding.place}: of kind {finding.kind!r} name the joint")
     if finding.frames[1] > last:
-        raise ValueError(f"{finding}: the motion has frames 0 to {last}")
+        raise ValueError(f"{finding.place}: the motion has frames 0 to {last}")
     if row is T_POSE and (finding.frames[0] or finding.frames[1] == last):
-        raise ValueError(f"{finding}: a T-pose is at the start and ends before the last frame")
+        raise ValueError(
+            f"{finding.place}: a T-pose is at the start and ends before the last frame"
+        )
     if (row.is_of_one_joint or (row is MARKED and joint == BODY)) and finding.frames == (0, last):
-        raise ValueError(f"{finding}: no frame is left that says what is right")
+        raise ValueError(f"{finding.place}: no frame is left that says what is right")
     return replace(finding, joint=joint)
 
 

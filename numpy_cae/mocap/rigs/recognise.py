@@ -190,11 +190,13 @@ def _require_all(rig: Rig, skeleton: Skeleton) -> Rig:
     usual_names = {joint: rigs.RIGS[rig.name].get(joint, (joint,))[0] for joint in JOINTS}
     names = usual_names | rig.mapping
     missing = [joint for joint in JOINTS if joint not in rig.indices]
-    sought = ", ".join(f"{joint} (as {names[joint]!r})" for joint in missing)
+    sought = "no " + ", ".join(f"{joint} (as {names[joint]!r})" for joint in missing)
+    if len(missing) == len(JOINTS):
+        sought = "none of the twenty joints by name"
     listed = list(skeleton.names[:_LISTED])
     if len(skeleton.names) > _LISTED:
         listed.append("…")
-    problem = f"the rig has no {sought}; it has {', '.join(listed)}. "
+    problem = f"the rig has {sought}; it has {', '.join(listed)}. "
     suggestion = suggest_mapping(skeleton)
     if suggestion:
         problem += f"Its hierarchy suggests {json.dumps(suggestion, ensure_ascii=False)}: "
