@@ -15,7 +15,7 @@ from numpy_cae.cleanup.kinds import BODY, MARKED
 from numpy_cae.mocap.formats.text_file import MotionFileError, TextFile
 from numpy_cae.mocap.retargeting.to_rig import moves_alone
 from numpy_cae.mocap.rigs.recognise import joint_index
-from numpy_cae.motion import JOINTS, Motion
+from numpy_cae.motion import JOINTS, PARENTS, Motion
 from numpy_cae.motion.joints import LIMBS
 
 EXAMPLE = '[{"joint": "left_wrist", "frames": [30, 45]}, {"limb": "left_leg"}, {"frames": [5, 9]}]'
@@ -68,7 +68,16 @@ def require_movable(findings: Sequence[Finding], motion: Motion) -> None:
     """Raise ValueError if all that is marked is one joint that other joints of the rig hold."""
     marked = {finding.joint for finding in findings if finding.row is MARKED}
     if len(marked) == 1 and marked < set(JOINTS) and not moves_alone(motion, *marked):
-        raise ValueError(f"{', '.join(marked)} is fixed to other joints, of which none is named")
+        raise ValueError(_say_what_to_name(motion, *marked))
+
+
+def _say_what_to_name(motion: Motion, joint: str) -> str:
+    """What to name in place of a joint that other joints hold."""
+    problem = f"{joint} cannot move alone, as the joints beside it hold its place"
+    for name, parent in zip(JOINTS, PARENTS, strict=True):
+        if parent == JOINTS.index(joint) and moves_alone(motion, name):
+            return f"{problem}: name what its rotation moves, such as {name}, or a whole limb"
+    return problem
 
 
 def _read_entries(path: Path) -> list[Any]:

@@ -12,7 +12,8 @@ import numpy as np
 
 from numpy_cae.cleanup import PRESETS, Repaired
 from numpy_cae.cleanup.events import Event, group_findings
-from numpy_cae.cleanup.finding import KEPT_REASON, LEFT_REASON
+from numpy_cae.cleanup.finding import KEPT_REASON, LEFT_REASON, Finding
+from numpy_cae.cleanup.kinds import FOOT
 from numpy_cae.cleanup.measures import Measures, is_larger, measure_damage
 from numpy_cae.cleanup.presets import fitting_preset
 from numpy_cae.cleanup.words import (
@@ -154,6 +155,12 @@ def asks_for_more(args: argparse.Namespace) -> bool:
     return bool(args.source or args.smooth or args.feet)
 
 
+def _can_be_accepted(finding: Finding) -> bool:
+    """Whether a finding that was not repaired is repaired if the user accepts it: feet are held,
+    whoever found them, only where no more frames jump (`feet.mend_feet`)."""
+    return finding.status in ("proposed", "left") and finding.row is not FOOT
+
+
 def details_in_words(repaired: Repaired) -> list[str]:
     """The largest events with the numbers of their findings, then what is not changed; without any,
     the joints."""
@@ -174,7 +181,7 @@ def details_in_words(repaired: Repaired) -> list[str]:
     for status, events in unchanged.items():
         lines.append(f"{NOT_DONE[status]}:")
         lines += [f"  {line}" for line in _first_events(events)]
-    if unchanged.keys() - {"kept"}:
+    if any(_can_be_accepted(finding) for finding in repaired.listed()):
         lines.append(ANYWAY)
     return lines
 
