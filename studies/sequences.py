@@ -43,8 +43,9 @@ def run(
 ) -> Result:
     """Train on each action with each regulariser.
 
-    The schedule's weight λ is that of the regulariser; `seed` and `sizes` are those of
-    `train_study`. `progress` reports a training. The curves have about so many points.
+    The schedule's weight λ is that of the regulariser. `train_study` is given `seed` and, as
+    arguments for the network, `sizes`. `progress` reports a training. The curves have about so many
+    points.
     """
 
     def train(action: Action, weight: float, name: str) -> Study:
