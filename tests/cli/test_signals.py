@@ -20,11 +20,13 @@ builtins.__import__ = interrupted_import
 sys.argv = ["numpy-cae", "rig", "missing.bvh"]
 sys.exit(main())
 """
+HEAR = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+"""A command in the foreground hears interrupts, also where the tests run in the background."""
 
 
 @pytest.mark.parametrize("name", ["argparse", "numpy", "numpy_cae.mocap", "numpy_cae.cli"])
 def test_an_interrupt_while_modules_are_imported_is_one_line(name):
-    program = [sys.executable, "-c", BEGIN.format(name=name)]
+    program = [sys.executable, "-c", HEAR + BEGIN.format(name=name)]
     ended = subprocess.run(program, capture_output=True, text=True, timeout=100)
     assert ended.stderr == "numpy-cae: interrupted; nothing was written\n"
     assert ended.returncode == 130
