@@ -5,6 +5,7 @@ example: numpy-cae demo -o demo
 """
 
 import argparse
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -103,6 +104,8 @@ def _train(folder: Path, seed: int, show_progress: bool) -> None:
     report = ProgressPrinter() if show_progress else None
     manifold = learn_manifold(training, SCHEDULE, seed, report=report)
     manifold.save(folder / "model.npz")
+    if show_progress:
+        print("comparing the network with other methods", file=sys.stderr, flush=True)
     print(f"\n{compare_repairs(manifold, training, testing, seed).text()}\n\n{NOTE}\n")
     _draw_figure_1(folder, manifold, testing[0], seed)
     print(
