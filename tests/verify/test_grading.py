@@ -67,7 +67,9 @@ def test_endless_loops_end(graded):
     assert report.points == 10 and not report.faults
 
 
-def test_the_command_grades_folders_and_goes_on_where_a_file_is_missing(tmp_path, capsys):
+def test_the_command_grades_folders_and_goes_on_where_a_file_is_missing(
+    tmp_path, capsys, shared_grading
+):
     assert main(["verify", str(tmp_path), str(tmp_path / "nowhere.py")]) == 2
     assert "nowhere.py: there is no such file" in capsys.readouterr().err
     (tmp_path / "marks.json").write_text("{}")
