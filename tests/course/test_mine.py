@@ -1,5 +1,6 @@
 """mine.py: what a solved function leaves there, and what later lessons import of it."""
 
+import json
 import linecache
 import sys
 from functools import partial
@@ -10,7 +11,7 @@ import pytest
 
 from numpy_cae import course
 from numpy_cae.course.mine_file import EMPTY, with_definitions
-from numpy_cae.course.stand_in import is_stand_in
+from numpy_cae.course.stand_in import is_stand_in, stand_in
 from tools.execute_lessons import mine_before
 
 CELL = "%time\n" + Path(__file__).with_name("cell_of_mine.py").read_text()
@@ -178,3 +179,20 @@ def test_an_attempt_under_another_name_is_reported(mine, capsys):
     assert "0 of 0 points" in report
     assert "FAILED  gradient for x" in report
     assert "hold: value" in report
+
+
+def test_lesson_07_lists_what_is_the_packages_own(mine, capsys):
+    lesson = Path(__file__).parents[2] / "lessons" / "07_going_deep.ipynb"
+    cells = {
+        cell["id"]: "".join(cell["source"]) for cell in json.loads(lesson.read_text())["cells"]
+    }
+    mine.write_text("def conv1d(x, w, b):\n    return x\n", encoding="utf-8")
+    course.load_mine()
+    names = {"course": course, "stack_loss": stand_in("stack_loss")}
+    names["stage_inputs"] = stand_in("stage_inputs")
+    exec(cells["own-functions"], names)
+    exec(cells["whose"], names)
+    lines = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
+    own = {line[0] for line in lines if line[1] == "the package's own"}
+    assert ["conv1d", "yours"] in lines
+    assert {"max_pool", "tanh", "encode_layer", "stack_loss"} <= own
