@@ -133,10 +133,11 @@ class Step(NamedTuple):
 
 
 STEPS = (
-    Step("quick turns", find_quick_turns, mend_quick_turns, 3.0),
     Step("freezes", None, interpolate_damage, 0.6),
     Step("displacements", None, mend_displacements, 0.2),
     Step("spikes", None, interpolate_damage, 0.1),
+    # After the spikes, of which two look like both ends of a turn.
+    Step("quick turns", find_quick_turns, mend_quick_turns, 3.0),
     Step("limb turns", find_limb_turns, mend_limb_turns, 10.0, needs_manifold=True),
     Step("jitter", find_jitter, smooth_motion, 2.5, Tolerance(sharp_jumps=0.5), option="smooth"),
     Step("jumps", find_jumps, mend_jumps, 0.2, Tolerance(jumps=0.65, sharp_jumps=0.0)),
