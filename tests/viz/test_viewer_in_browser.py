@@ -110,6 +110,7 @@ def test_a_finding_leads_to_its_frames_and_its_command(page):
     rows = page.locator(".findings li")
     first, proposal = rows.first, rows.nth(2)
     assert page.locator("h2").last.inner_text() == "1 found, left alone"
+    viewer.evaluate("viewer => viewer.setPlaying(false)")  # else it plays on before it is asked
     first.locator("button").first.click()
     assert viewer.evaluate("viewer => [viewer.frame, viewer.loop]") == [30, [20, 55]]
     mover = re.search(r"frames 30 to 45 · frozen · the (l\w+) moves 131 cm", first.inner_text())[1]
