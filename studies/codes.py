@@ -66,6 +66,37 @@ class CodedTake:
 
 def run(manifold: MotionManifold, material: Material | None, seed: int = 0) -> Result:
     """Encode the takes, their damaged copies and the projections of these."""
+    takes = _encode_takes(manifold, material, seed)
+    places, share = scale(np.array([code for take in takes for code in take.codes.values()]))
+    points = []
+    for take in takes:
+        own, places = np.split(places, [len(take.codes)])
+        points.append(_point(take, own))
+    returned = _share_of_distance(points)
+    note = (
+        f"The map has {share:.0%} of the scaled distances. On it the projection of a damaged copy "
+        f"is at {returned:.2f} of the copy's distance from the true code (median)."
+    )
+    numbers = takes[0].codes["true"].size
+    text = (
+        f"A point is a take of {SECONDS} s: the means and deviations of its hidden units, "
+        f"{numbers} numbers, in two dimensions, which have {share:.0%} of the scaled "
+        "distances. Click on a point, or choose a take, to play it. Of one take of each kind half "
+        "of the values are also set to zero, and this copy is projected."
+    )
+    title = "The codes of takes in two dimensions"
+    page = partial(code_map_page, points, manifold.rate, title, text)
+    figures = {
+        "codes": Picture(partial(_draw_map, points), page=page),
+        "filters": moving(_moving_filters(manifold, takes), FILTER_RATE),
+    }
+    return Result(title, [_table(takes, points)], figures=figures, note=note)
+
+
+def _encode_takes(
+    manifold: MotionManifold, material: Material | None, seed: int
+) -> list[CodedTake]:
+    """The takes with their codes; the first one of each kind with a damaged copy."""
     rng = np.random.default_rng(seed)
     frames = round(SECONDS * manifold.rate)
     takes: list[CodedTake] = []
@@ -76,38 +107,20 @@ def run(manifold: MotionManifold, material: Material | None, seed: int = 0) -> R
             clips = _damage_and_project(manifold, true, rng) | clips
         codes = {key: _code(manifold, clip) for key, clip in clips.items()}
         takes.append(CodedTake(name, kind, clips, codes))
-    places, share = scale(np.array([code for take in takes for code in take.codes.values()]))
-    points = []
-    for take in takes:
-        own, places = np.split(places, [len(take.codes)])
-        points.append(_point(take, own))
-    true_codes = np.array([take.codes["true"] for take in takes])
-    true_places = np.array([point.place for point in points])
+    return takes
+
+
+def _table(takes: list[CodedTake], points: list[MapPoint]) -> Table:
+    """How often the nearest take is of the same kind, by codes and on the map."""
     kinds = [take.kind for take in takes]
+    codes = np.array([take.codes["true"] for take in takes])
+    places = np.array([point.place for point in points])
     rows = [
-        ["all dimensions", _share_of_same_kind(true_codes, kinds)],
-        ["the two of the map", _share_of_same_kind(true_places, kinds)],
+        ["all dimensions", _share_of_same_kind(codes, kinds)],
+        ["the two of the map", _share_of_same_kind(places, kinds)],
         ["two at random, expected", _expected_share(kinds)],
     ]
-    returned = _share_of_distance(points)
-    note = (
-        f"The map has {share:.0%} of the scaled distances. On it the projection of a damaged copy "
-        f"is at {returned:.2f} of the copy's distance from the true code (median)."
-    )
-    table = Table("", ["codes", "nearest take is of the same kind"], rows, ("", ".2f"))
-    text = (
-        f"A point is a take of {SECONDS} s: the means and deviations of its hidden units, "
-        f"{true_codes.shape[1]} numbers, in two dimensions, which have {share:.0%} of the scaled "
-        "distances. Click on a point, or choose a take, to play it. Of one take of each kind half "
-        "of the values are also set to zero, and this copy is projected."
-    )
-    title = "The codes of takes in two dimensions"
-    page = partial(code_map_page, points, manifold.rate, title, text)
-    figures = {
-        "codes": Picture(partial(_draw_map, points), page=page),
-        "filters": moving(_moving_filters(manifold, takes), FILTER_RATE),
-    }
-    return Result(title, [table], figures=figures, note=note)
+    return Table("", ["codes", "nearest take is of the same kind"], rows, ("", ".2f"))
 
 
 def _takes(material: Material | None, seed: int) -> list[tuple[str, str, np.ndarray]]:

@@ -19,7 +19,7 @@ The network is not given the mask of what is missing. A missing joint is placed 
 mean pose, which is zero for the network, and read from the projection. For stepped animation, which
 repeats every 15th frame, the paper finds smooth transitions. The rotation curves of animation
 programs are given which frames are keys, and the rotations of the rig in these. A wrist that is
-missing for a whole clip has no keys; `python -m studies damage` has holes between known frames.
+missing for a whole clip has no keys; `python -m studies holes` has holes between known frames.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
