@@ -224,8 +224,9 @@ def _leg_length(motion: Motion) -> float:
 def _side_axis(motion: Motion) -> int:
     """The axis, 0 to 2, along which the hips of the rest pose are apart."""
     rest = motion.skeleton.rest_positions()
-    left, right = (rest[rig_of(motion).joints[JOINTS.index(f"{side}_hip")]] for side in SIDES)
-    return int(np.abs(left - right).argmax())
+    joints = rig_of(motion).joints
+    left_hip, right_hip = (rest[joints[JOINTS.index(f"{side}_hip")]] for side in SIDES)
+    return int(np.abs(left_hip - right_hip).argmax())
 
 
 def _pair_joints(skeleton: Skeleton, axis: int, leg: float) -> list[int]:
@@ -237,12 +238,13 @@ def _pair_joints(skeleton: Skeleton, axis: int, leg: float) -> list[int]:
     counterparts = [0] * len(skeleton.names)
     for joint, parent in enumerate(skeleton.parents[1:], start=1):
         candidates = skeleton.children(counterparts[parent])
-        apart = [np.linalg.norm(signs * centres[joint] - centres[other]) for other in candidates]
-        if not apart or min(apart) > SYMMETRIC_SHARE * leg:
+        image = signs * centres[joint]
+        distances = [np.linalg.norm(image - centres[candidate]) for candidate in candidates]
+        if not distances or min(distances) > SYMMETRIC_SHARE * leg:
             name = skeleton.names[joint]
             problem = f"joint {name!r} has no counterpart on the other side of the rest pose"
             raise ValueError(f"{problem}: this rig cannot be mirrored")
-        counterparts[joint] = candidates[int(np.argmin(apart))]
+        counterparts[joint] = candidates[int(np.argmin(distances))]
     if sorted(counterparts) != list(range(len(counterparts))):
         raise ValueError("two joints have one counterpart: this rig cannot be mirrored")
     return counterparts
