@@ -9,7 +9,7 @@ in at most 160 frames in the middle of the take. Errors are root mean squares of
 coordinates over all takes and seeds. `complete` weighs a Gaussian process of each column, the same
 refined by what the frames of the take say, and the network's completion refined
 (numpy_cae/manifold/weighted_completion.py has the equations). What the network adds is the
-difference to the same without the network. docs/lab_book/filling.md has the findings.
+difference to the same without the network. docs/lab_book/completion.md has the findings.
 
 For stepped keys, errors are measured up to the last key. A held key lags behind by half of their
 distance on average: "delayed" is the error against the truth so many frames before. The curves

@@ -5,7 +5,8 @@ with its default settings (in reverse mode, which alone uses the pullback). Then
 projects in NumPy are tried as they are, and both versions, the wrong and the fixed one, of the
 wrong gradients that libraries really had, also with the properties of `verify.properties_of` and
 with differences of the sum of the outputs.
-docs/lab_book/gradient_checks.md and docs/evidence.md have the figures, docs/tables the lists:
+docs/lab_book/gradient_checks.md and docs/wrong_gradients.md have the figures, docs/tables the
+lists:
 
     python -m studies gradient_checks
 """

@@ -2,7 +2,7 @@
 
 The operations are re-enacted in `studies/gradients/real_bugs.py`. The libraries' checks have their
 default settings and one draw of numbers of shape (6, 4, 5) or its first axes; SciPy's compares the
-slope of the sum of the outputs, times random numbers. docs/evidence.md has the table:
+slope of the sum of the outputs, times random numbers. docs/wrong_gradients.md has the table:
 
     python -m studies real_bugs
 """

@@ -9,6 +9,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = (
     "README.md",
     "data_synth/README.md",
+    "docs/layers_of_other_forms.md",
     "docs/own_operation.md",
     "docs/reproduce_the_paper.md",
     "docs/verify.md",

@@ -4,7 +4,7 @@ const WEIGHTS = [
   [/^reference\/numpy_cae\./, 2],
   [/^reference\/commands$/, 1.5],
   [/^lessons\//, 0.5],
-  [/^(evidence|maintaining|lab_book\/.*)$/, 0.25],
+  [/^(wrong_gradients|maintaining|lab_book\/.*)$/, 0.25],
 ];
 
 var Scorer = {

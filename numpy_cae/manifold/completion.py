@@ -10,8 +10,8 @@ P = Φ†(Φ(X)), and what the projection misses at the known values is interpol
 
 until n + 1 = N - 1, or ‖X_{n+1} - X_n‖ < SETTLED ‖X_1 - X_0‖. In one more step, the last, P is
 averaged over all shifts of the pooling grid, which takes as long as eight projections; averaged in
-every step it makes no better result (docs/lab_book/filling.md). The known values never change, and
-at their neighbours there is no jump.
+every step it makes no better result (docs/lab_book/completion.md). The known values never change,
+and at their neighbours there is no jump.
 
 `interpolate_gaps` is I. Where an unknown share of the values was lost (holden2015, section 7),
 `zeroed_fraction` estimates that share from the motion. `project_shifted` averages projections over
@@ -83,7 +83,7 @@ def _mean_projection(network: ConvAutoencoder, x: np.ndarray, shifts: int) -> np
 
 WIDE = 12
 """Beside a gap of more than this many frames the curve is limited, so that it does not overshoot.
-Chosen on takes of CMU and synthetic ones (docs/lab_book/filling.md)."""
+Chosen on takes of CMU and synthetic ones (docs/lab_book/completion.md)."""
 
 
 def interpolate_gaps(x: np.ndarray, known: np.ndarray) -> np.ndarray:

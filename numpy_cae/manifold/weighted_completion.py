@@ -41,7 +41,7 @@ CLASSES = (1, 2, 4, 8)
 """Upper ends of classes of distances (frames) to the nearest known value; the last one has none."""
 NEAR = 4
 """The curve by itself is a candidate up to this distance, chosen on files of people among 0, 1, 2,
-4 and any (docs/lab_book/filling.md)."""
+4 and any (docs/lab_book/completion.md)."""
 OTHER_CLASSES = 150
 """Chosen on files of people among 20, 50 and 150."""
 LEFT_OUT = 0.1

@@ -50,7 +50,7 @@ TOE_METRES = 0.04
 FLOOR_METRES = 0.15
 """A floor nearer to 0 than this (m) is not moved, because it cannot be distinguished from shoes, a
 rig's toes and uneven ground. In 487 files of CMU and Bandai the level found is -0.12 to 0.12
-(docs/lab_book/axes_and_floor.md)."""
+(docs/lab_book/features.md)."""
 STEADY_METRES = 0.03
 """A body rests on a floor if the quartiles of its lowest joint's height are closer together than
 this (m)."""

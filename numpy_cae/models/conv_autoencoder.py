@@ -41,7 +41,7 @@ class ConvAutoencoder:
         Frames that a filter covers, odd.
     bound : float
         The decoder clips the input of arctanh to ±bound: arctanh(±1) is infinite, and the layer
-        above can output more than 1 (docs/lab_book/arctanh_bound.md).
+        above can output more than 1 (docs/lab_book/equations.md).
     rng : numpy.random.Generator, optional
         Draws the initial weights; by default a generator with seed 0.
     dtype : float32 (for training) or float64 (for checking gradients)

@@ -28,7 +28,7 @@ import numpy as np
 
 RIDGE = 1e-3
 """λ of the module's equations, of a prototype compared on takes of Bandai and CMU
-(docs/lab_book/filling.md)."""
+(docs/lab_book/completion.md)."""
 ESTIMATES = 2
 """S is estimated so many times in `condition_frames`. A third time changes errors by 1%."""
 KNOWN_VARIANCE = 1e-6

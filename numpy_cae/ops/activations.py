@@ -3,7 +3,7 @@
 tanh maps the hidden units into [-1, 1], the parametrisation of the manifold (holden2015, section
 3); the decoder inverts it with arctanh (equation 2). arctanh is infinite at ±1, and the output of
 a decoding layer is unbounded, so our arctanh takes a bound to which it clips its argument (see
-docs/lab_book/arctanh_bound.md). The gates of jang2018's recurrent networks are sigmoids.
+docs/lab_book/equations.md). The gates of jang2018's recurrent networks are sigmoids.
 """
 
 import numpy as np

@@ -61,7 +61,7 @@ class Schedule:
     rms : float
         The root mean square to which positions, velocities and turns are each scaled before
         training. The paper does not state it; at a rate of 0.5, much smaller values hardly learn
-        and much larger ones diverge (docs/lab_book/input_scale.md).
+        and much larger ones diverge (docs/lab_book/equations.md).
 
     Examples
     --------
@@ -143,7 +143,7 @@ SEQUENCE_RECIPES = {
     ),
 }
 """Schedules of the sequential network by name. The settings of fast were chosen on synthetic people
-of seed 5 (docs/lab_book/sequence_recipe.md)."""
+of seed 5 (docs/lab_book/sequence_choices.md)."""
 
 
 def recipe(name: str) -> Schedule:

@@ -1,7 +1,7 @@
 """Real bugs of other projects, re-enacted: twenty operations, wrong as they were found and mended.
 
 `verify.properties_of` found each in the project's own code, through an adapter of a few lines.
-docs/evidence.md lists them with their links.
+docs/wrong_gradients.md lists them with their links.
 """
 
 from __future__ import annotations

@@ -13,7 +13,9 @@ from failing_properties import failing
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 PAGE = (ROOT / "docs" / "own_operation.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```python\n# (\S+)\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+ADAPTERS_PAGE = (ROOT / "docs" / "layers_of_other_forms.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```python\n# (\S+)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+BLOCKS = BLOCK.findall(PAGE + ADAPTERS_PAGE)
 
 
 def test_the_plugin_is_registered_and_imports_nothing_heavy():

@@ -1,4 +1,4 @@
-"""Real bugs of other projects, re-enacted: docs/evidence.md lists them with their links."""
+"""Real bugs of other projects, re-enacted: docs/wrong_gradients.md lists them with their links."""
 
 import re
 
