@@ -1,5 +1,6 @@
 """Compute the distance G (equation 4 of holden2015) between every two motions, and print the
-nearest motion of each. G depends on what happens in a motion, not on when it happens.
+nearest motion of each. G compares the largest and the smallest value of each hidden unit, wherever
+in the motions they occur.
 
 example, with the files that `numpy-cae demo` writes:
   numpy-cae compare demo/ -o matrix.csv --picture matrix.png

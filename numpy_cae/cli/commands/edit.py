@@ -38,16 +38,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("-o", "--output", type=Path, required=True, help=output)
     arguments.add_shared(parser, "overwrite mapping unit up floor")
     edits = parser.add_mutually_exclusive_group(required=True)
-    edits.add_argument("--trim", **arguments.FLAG, help="keep the frames of --frames alone")
+    edits.add_argument("--trim", **arguments.FLAG, help="keep only the frames of --frames")
     edits.add_argument("--split", **arguments.FLAG, help="write each clip of the file by itself")
     edits.add_argument("--mirror", **arguments.FLAG, help="swap the left and the right side")
-    rate = "take the motion to this many frames a second"
+    rate = "change the motion to RATE frames a second"
     edits.add_argument("--resample", type=arguments.positive, metavar="RATE", help=rate)
     euler = "remove flips and whole turns of the angles (Euler filter): the motion is the same"
     edits.add_argument("--euler", **arguments.FLAG, help=euler)
     low_pass = "filter with a Butterworth filter of this cut-off frequency"
     edits.add_argument("--low-pass", type=arguments.positive, metavar="HZ", help=low_pass)
-    median = "filter with the median of N frames before and after"
+    median = "filter with the median of N frames on each side"
     edits.add_argument("--median", **arguments.COUNT, help=median)
     group = parser.add_argument_group("what --low-pass and --median filter (default: everything)")
     joints = "joints to filter, such as left_wrist, by our names or the rig's"

@@ -1,10 +1,10 @@
-"""Repair the damaged joints and frames of a motion, and leave the rest of the file unchanged. What
-the file itself shows is mended first: a T-pose at the start, a root that is elsewhere, turned
-rotations, spikes, frozen and repeated frames, bones of wrong length. The model then corrects what
-was missing for long; what only the model finds odd is proposed, not changed. The command prints
-what was found, and how far the joints moved. In a folder every file is repaired. The exit status is
-0 if something was changed, 3 if nothing was, 4 if nothing was and the motion is unlike what the
-model learned, 1 if some of several files could not be used, 2 if none could.
+"""Repair the damaged joints and frames of a motion, and leave the rest of the file unchanged. The
+command looks for turned limbs, spikes, frozen and repeated frames, bones of wrong length and a body
+that jumps to another place, and mends what it finds. A T-pose at the start is kept. A model fills
+in long gaps. What only the model finds unusual is proposed and not changed. The command prints each
+finding and how far the joints moved. In a folder every file is repaired. Exit status: 0 if
+something was changed, 3 if nothing was changed, 4 if nothing was changed and the motion is unlike
+those that the model learned, 1 if some of several files could not be used, 2 if no file could.
 
 examples, with the files that `numpy-cae demo` writes:
   numpy-cae repair demo/damaged.bvh -o fixed.bvh --html
@@ -43,23 +43,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The files, what is damaged and how it is repaired."""
     change_files.add_arguments(parser)
     group = damage_options.add_arguments(parser, "damaged", "found in the motion")
-    findings = "JSON file (of several motions a folder) for the findings, to be passed as --mask"
+    findings = "JSON file to write the findings to, for --mask; for several motions a folder"
     group.add_argument("--findings", type=Path, metavar="JSON", help=findings)
-    sensitivity = "0 to 1: mend what has a confidence of at least 1 - S (default: 0.5)"
+    sensitivity = "0 to 1: a finding is mended if its confidence is at least 1 - S (default: 0.5)"
     group.add_argument("--sensitivity", type=arguments.fraction, metavar="S", help=sensitivity)
     add = parser.add_argument_group("how it is repaired").add_argument
     source = "; ".join(f"{name}: {preset}" for name, preset in PRESETS.items())
-    add("--from", dest="source", choices=list(PRESETS), help=f"where the motion is from. {source}")
+    add("--from", dest="source", choices=list(PRESETS), help=f"what recorded the motion. {source}")
     add("--smooth", **arguments.FLAG, help="also remove jitter from the whole motion")
-    add("--feet", **arguments.FLAG, help="also hold feet that stand still, on the floor")
-    add("--project", **arguments.FLAG, help="project the whole motion onto the manifold instead")
-    only = (
-        "repair these findings only, proposals too, by their numbers in the printed list, on the "
-    )
-    only += "page and in the file of --findings"
-    strength = "0 to 1: how much of the way of the repair each joint goes (default: 1)"
+    add("--feet", **arguments.FLAG, help="also hold each standing foot at one place on the floor")
+    project = "instead of all this, pass the whole motion through the network, as the paper does"
+    add("--project", **arguments.FLAG, help=project)
+    only = "repair these findings and no others, also if they are proposals, by their numbers in "
+    only += "the printed list, on the page and in the file of --findings"
+    strength = "0 to 1: 0.5 moves each joint half of the way to the repair (default: 1)"
     add("--strength", type=arguments.fraction, metavar="S", help=strength)
-    fade = "seconds in which each repaired stretch begins and ends (default: 0, at once)"
+    fade = "seconds over which each repaired stretch fades in and out (default: 0)"
     add("--fade", type=arguments.rate, metavar="SECONDS", help=fade)
     add("--only", nargs="+", type=arguments.positive_number, metavar="N", help=only)
 

@@ -15,25 +15,26 @@ Points are counted for all exercises of one lesson: --lesson or, without it, the
 lesson of the notebook's cells or of a file name such as 03_mine.py. A file of no
 lesson is graded for the functions that it has.
 
-With --csv, a student is known by the folder submitted/ann/... in the folder that is
-graded, or by the file's name: ann_03.ipynb, 03_ann.ipynb, or as Moodle and Canvas
-name downloads. Zip files are opened. Of an exercise handed in more than once the
-best counts, also of earlier runs: where the table exists, its marks of what is not
-handed in now or was better stay, and old tables are kept with a number in their names.
-The table is written after each file. Beside it, corrections.csv (student, exercise,
-points, reason) has marks that count in place of any other. With --roster everyone has
-a row; who was matched by what is printed, what is in no row first. marks_import.csv
-is the roster, in the form in which it came, with the points of each lesson: in the
-column Grade of Moodle's grading worksheet, in Canvas's column "Lesson 03 (8811)",
-else in a column of its own. A row that a file without a row may belong to stays as it
-is, and the exit status is 1. The import is not written if most submissions or most
-rows have no match.
+With --csv, the student is the folder submitted/ann/... in the folder that is graded,
+or is in the file's name: ann_03.ipynb, 03_ann.ipynb, or as Moodle and Canvas name
+downloads. Zip files are opened. If an exercise was handed in more than once, the best
+attempt counts, also over several runs: a mark of an existing table stays unless a
+better one replaces it, and the old table is kept with a number in its name. The table
+is written after each file. A file corrections.csv beside the table (student, exercise,
+points, reason) has marks that count in place of any other.
+
+With --roster every student of the roster has a row. The command prints which file
+belongs to which row, the files without a row first. marks_import.csv is the roster
+with the points of each lesson: in the column Grade of Moodle's grading worksheet, in
+Canvas's column "Lesson 03 (8811)", else in a column of its own. If a file without a
+row may belong to some row, that row stays as it is and the exit status is 1. The
+import is not written if most submissions or most rows have no match.
 
 Each function runs in a process of its own with limits on time, memory and files; its
 results are compared in another. On Linux the kernel lets the process change files in a
-temporary folder only, start nothing and connect to nothing. Where the kernel cannot,
-the command says so before it grades a class: grade files of people you do not trust in
-a container then. Exit status: 0 if every property holds, 1 if
+temporary folder only, start nothing and connect to nothing. If the kernel cannot do
+this, the command says so before it grades a class; then grade files of people you do
+not trust in a container. Exit status: 0 if every property holds, 1 if
 something fails, 2 if there was nothing to grade.
 """
 

@@ -49,12 +49,12 @@ _MAPPING = (
 SHARED: dict[str, dict[str, Any]] = {
     "seed": {"type": whole_number, "default": 0, "help": "seed of all random numbers (default: 0)"},
     "quiet": FLAG | {"help": "show no progress"},
-    "overwrite": FLAG | {"help": "replace files that exist, also those that are read"},
+    "overwrite": FLAG | {"help": "replace files that exist, even those that the command reads"},
     "html": FLAG | {"help": "also write a page beside the output that plays the motions"},
     "mapping": FILE | {"metavar": "JSON", "action": "append", "default": [], "help": _MAPPING},
     "unit": {"type": positive, "metavar": "METRES"}
     | {"help": "length unit of the files in metres, such as 0.01 (default: guessed)"},
-    "up": {"choices": UP, "help": "axis that points up; --up=-z for -z (default: guessed)"},
+    "up": {"choices": UP, "help": "axis that points up; write --up=-z for -z (default: guessed)"},
     "floor": {"type": finite, "metavar": "METRES"}
     | {"help": "height of the floor along the up axis (default: guessed)"},
 }

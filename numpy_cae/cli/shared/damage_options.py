@@ -21,8 +21,8 @@ def add_arguments(
     add("--joint", nargs="+", metavar="NAME", default=[], help=joints)
     limbs = f"{damaged} limbs: {', '.join(LIMBS)}"
     add("--limb", nargs="+", choices=LIMBS, metavar="LIMB", default=[], help=limbs)
-    frames = "first and last frame, counted from 0, of these joints, or of all joints without "
-    frames += "--joint and --limb (default: all frames)"
+    frames = "first and last frame, counted from 0, in which these joints are "
+    frames += f"{damaged}; without --joint and --limb all joints are (default: all frames)"
     add("--frames", type=arguments.whole_number, nargs=2, metavar=("FIRST", "LAST"), help=frames)
     mask = f"JSON file of joints or limbs and their frames, such as {EXAMPLE}"
     add("--mask", type=Path, metavar="JSON", help=mask)
