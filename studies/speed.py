@@ -111,8 +111,8 @@ def _warning_of_load() -> str:
     if load <= MOST_LOAD:
         return ""
     return (
-        f"Other programs use the processor ({load:.1f} on average in the last minute), so "
-        "neither the times nor the ratios are reliable."
+        f"The processor was used in the last minute ({load:.1f} on average). If other programs "
+        "still use it, neither the times nor the ratios are reliable."
     )
 
 

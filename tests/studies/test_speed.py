@@ -88,7 +88,7 @@ def test_the_table_has_a_row_for_each_case(monkeypatch, load):
     monkeypatch.setattr(speed, "HIDDEN", (4, 6))
     result = speed.run((1, 2), rounds=1, clips=(2,))
     assert result.provenance["matrix-product peak"].startswith("100 on 1")
-    assert ("Other programs use the processor" in result.note) == (load > 1)
+    assert ("The processor was used" in result.note) == (load > 1)
     table, sequences = result.tables[:2]
     assert [found.caption.split(", ")[1] for found in result.tables[:2]] == ["1 thread:"] * 2
     assert [row[:2] for row in sequences.rows] == [["4 hidden units", 2], ["6 hidden units", 2]]
