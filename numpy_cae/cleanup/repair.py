@@ -264,9 +264,9 @@ def repair_part(
     """The repair of a motion without cuts and without a T-pose: of `findings`, or, with None, of
     what the file shows. The values of `broken` are interpolated.
 
-    Of what the file shows, the repair leaves that with which a printed figure would become worse
-    (`judging.has_worse_figures`), unless the user asks for more than a plain repair. What would be
-    interpolated for longer than `LONGEST_INTERPOLATED_SECONDS` is proposed.
+    A finding whose repair would make a printed figure worse (`judging.has_worse_figures`) is left,
+    unless the user asks for more than a plain repair. A finding that would be interpolated for
+    longer than `LONGEST_INTERPOLATED_SECONDS` is proposed.
     """
     if findings is not None:
         mended, damage = mend_findings(view, findings, preset, manifold, progress)

@@ -24,10 +24,10 @@ def report(name: str, function: Callable, hint: int = 0) -> Feedback | int:
     In a notebook the report is shown where it is the last line of a cell; in a script nothing is
     shown: `print(course.report(name, function))`.
 
-    Tested is what the grader has: the function as its cell alone defines it. What the cell lacks,
-    such as a helper in another cell, is printed.
+    The report tests what the grader has: the function as its cell alone defines it. What the cell
+    lacks, such as a helper in another cell, is printed.
 
-    Of what the function prints in the tests, the first lines are shown above the report. Where
+    The first lines that the function prints in the tests are shown above the report. Where
     `solved` replaced the function by the package's own, the one that it replaced is tested.
 
     After a first attempt, `hint=1` adds a hint to the report and `hint=2` a second one. Raises a

@@ -118,7 +118,7 @@ def refine(
 def leave_out(known: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """A mask (T, C) of known values to leave out, about `LEFT_OUT` of those in incomplete columns.
 
-    Of a column with a mask of its own they are single values. Of columns that are unknown in the
+    In a column with a mask of its own they are single values. In columns that are unknown in the
     same frames, such as those of a joint, they are trial holes (`leave_out_runs`).
     """
     left_out = np.zeros_like(known)

@@ -153,7 +153,7 @@ def to_motion(armature: Armature, poses: Poses, rate: float) -> RiggedMotion:
     Returns
     -------
     RiggedMotion
-        Of a rig that is not recognised, too: `rig_of` refuses such a motion. `Motion.notes` say
+        Also if the rig is not recognised: `rig_of` refuses such a motion. `Motion.notes` say
         what was found.
 
     Examples

@@ -11,7 +11,7 @@ def passing_filters(taps: int, channels: int, filters: int, rng: np.random.Gener
 
         W[k] = g(k) Q,   g(k) ∝ exp(-k² / 2s²),   Σ_k g(k) = √2,   Q: (C, D), Q Qᵀ = I
 
-    Of a motion x that hardly changes in a pair of frames, the encoder passes √2 xQ to both
+    If a motion x hardly changes in a pair of frames, the encoder passes √2 xQ to both
     frames, pooling keeps one, the decoder puts half of it on each frame and returns
     ½ · √2 · √2 · x Q Qᵀ = x. Q is random. If there are twice as many filters as channels, the
     second half of the filters has the slope, g'(k), with Σ_k |g'(k)| = √2, so that a pair of

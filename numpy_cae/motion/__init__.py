@@ -1,7 +1,7 @@
 """A motion as arrays: skeletons, the features of holden2015 (63) and jang2018 (54), windows, clips.
 
 This package knows no file and no rig: `numpy_cae.mocap` reads and writes files and finds the twenty
-joints of a rig. Of the rest of the project it imports nothing.
+joints of a rig. It imports nothing of the rest of the project.
 """
 
 from numpy_cae.motion.angles import ANGLE_RATE, AngleSequence, motion_of, on_floor

@@ -60,7 +60,7 @@ def load(
     Parameters
     ----------
     path : path
-        Of a .bvh, .amc or .txt file.
+        A .bvh, .amc or .txt file.
     unit, max_rate, up, floor, mapping
         What is not to be guessed: see `numpy_cae.mocap.load_motion`.
 
@@ -260,10 +260,10 @@ def show(
     labels : str or several
         A name for each motion; by default that of its file, if it was read from one.
     findings : as in `numpy_cae.repair`
-        Of a repair, as in `show(motion, repaired.motion, findings=repaired.findings)`: the two
-        motions are overlaid, as their twenty joints, beside a list of the findings.
+        The findings of a repair: `show(motion, repaired.motion, findings=repaired.findings)`
+        overlays the two motions, as their twenty joints, beside a list of the findings.
     path : path, optional
-        Of the page, .html, which is then written and not opened.
+        The page to write, .html; it is not opened then.
 
     Returns
     -------
@@ -358,7 +358,7 @@ def learn(
 ) -> MotionManifold:
     """Learn a manifold from every motion file in one or more folders and their subfolders.
 
-    Progress is printed, in a notebook drawn. The parameters have the names of the options of
+    Progress is printed; in a notebook it is drawn. The parameters have the names of the options of
     `numpy-cae train`, which also trains the sequential network, and continues after an
     interruption.
 

@@ -90,8 +90,8 @@ def side_by_side(
 ) -> list[Actor]:
     """Motions of any rigs at the rate of the first, each in a colour of its own.
 
-    Only where `compared` says that they are versions of one motion are they coloured by their
-    distances from the first: two motions of one rig may have as many frames by chance.
+    They are coloured by their distances from the first only if `compared` says that they are
+    versions of one motion: two motions of one rig may have as many frames by chance.
     """
     colours = [PROJECTED] if len(motions) == 1 else [CORRUPTED, PROJECTED, TRUTH, PLAIN]
     rate = motions[0].rate

@@ -165,8 +165,8 @@ def find_joints(skeleton: Skeleton) -> list[int]:
     Returns
     -------
     list of 20 int
-        In the order of `JOINTS`. Of a motion that was loaded `rig_of` has them: its joints may also
-        be found by a mapping or by the hierarchy.
+        In the order of `JOINTS`. For a motion that was loaded use `rig_of`, which also knows joints
+        that were found by a mapping or by the hierarchy.
 
     Raises
     ------
