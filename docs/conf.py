@@ -181,6 +181,11 @@ def link_names(app, docname: str, source: list[str]) -> None:
     source[0] = re.sub(r"`(numpy_cae\.[\w.]+)`", link, source[0])
 
 
+def keep_spreads_whole(app, docname: str, source: list[str]) -> None:
+    """A cell such as 0.40 ± 0.02 is not broken over two lines."""
+    source[0] = source[0].replace(" ± ", "\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}")
+
+
 def plain_text_to_rst(app, what, name, obj, options, lines: list[str]) -> None:
     """Docstrings are plain text: an indented paragraph in front of the sections is an equation or
     code, and | and * are signs of mathematics, not markup.
@@ -263,6 +268,7 @@ def setup(app) -> None:
     write_example(HERE / "made", HERE / "site_files")
     write_moving_pictures(HERE / "made" / "page")
     app.connect("source-read", link_names)
+    app.connect("source-read", keep_spreads_whole)
     app.connect("build-finished", remove_unused_mathjax)
     app.connect("html-page-context", without_empty_headings)
     app.connect("autodoc-process-docstring", plain_text_to_rst, priority=400)
