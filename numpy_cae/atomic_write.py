@@ -103,6 +103,16 @@ def require_place(path: Path) -> None:
         raise FileError(path, None, f"cannot be written: there is no folder {where}")
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it, if it is not there; FileError if it cannot be made."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise FileError(path, None, "is a file, expected a folder") from None
+    except OSError as error:
+        raise FileError(path, None, f"cannot be made: {error.strerror}") from error
+
+
 def require_free(path: Path) -> None:
     """Raise FileError if there is no place for `path`, or a file that may not be replaced and is
     not empty: for work that is too long to be refused at its end."""

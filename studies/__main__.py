@@ -19,6 +19,7 @@ import numpy as np
 import scipy
 
 import numpy_cae
+from numpy_cae.atomic_write import make_folder
 from numpy_cae.errors import NumpyCaeError
 from studies.shared.messages import note
 from studies.shared.options import LISTED, OPTIONS, Inputs, add_options, parameters
@@ -126,7 +127,7 @@ def measure_if_possible(name: str, module: ModuleType, inputs: Inputs) -> Result
 
 def write(results: dict[str, Result], folder: Path) -> None:
     """Write the results as Markdown and as JSON, and each figure as a file of its own."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     contents = {name: data(result) for name, result in results.items()}
     numbers = json.dumps(contents, indent=1, default=lambda value: value.item())
     (folder / "report.json").write_text(numbers, "utf-8")

@@ -16,7 +16,13 @@ from numpy_cae.cleanup.interpolation import with_finite_values
 from numpy_cae.cleanup.view import View
 from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, Motion, Skeleton
-from numpy_cae.motion.filters import HIGHEST_SHARE, butterworth, filter_motion, median_of
+from numpy_cae.motion.filters import (
+    HIGHEST_SHARE,
+    LOWEST_HERTZ,
+    butterworth,
+    filter_motion,
+    median_of,
+)
 from numpy_cae.motion.joints import SIDES
 from numpy_cae.motion.masks import fade_in_and_out
 from numpy_cae.motion.motion import require_finite
@@ -97,7 +103,7 @@ def filter_low_pass(
     ------
     ValueError
         If the motion does not have the joints or frames, has values that are not finite, or the
-        cut-off is not above 0 and below half of the rate.
+        cut-off is below `LOWEST_HERTZ` or not below half of the rate.
 
     Examples
     --------
@@ -108,9 +114,10 @@ def filter_low_pass(
     >>> [motion.skeleton.names[joint] for joint in set(changed[:, 1])], changed[[0, -1], 0]
     (['lradius'], array([20, 40]))
     """
-    if not 0 < hertz <= HIGHEST_SHARE * motion.rate:
-        highest = HIGHEST_SHARE * motion.rate
-        raise ValueError(f"the cut-off is {hertz:g} Hz, expected above 0 and at most {highest:g}")
+    highest = HIGHEST_SHARE * motion.rate
+    if not LOWEST_HERTZ <= hertz <= highest:
+        expected = f"expected {LOWEST_HERTZ:g} to {highest:g}"
+        raise ValueError(f"the cut-off is {hertz:g} Hz, {expected}")
     smooth = partial(butterworth, cut_off=hertz, rate=motion.rate)
     return _filter_part(motion, smooth, joints, frames, fade)
 
@@ -136,6 +143,9 @@ def filter_median(
     """
     if around < 1:
         raise ValueError(f"the median is over {around} frames around, expected at least 1")
+    if around >= len(motion):
+        problem = f"the median is over {around} frames around, the motion has {len(motion)} in all"
+        raise ValueError(f"{problem}: expected fewer")
     return _filter_part(motion, partial(median_of, around=around), joints, frames, fade)
 
 

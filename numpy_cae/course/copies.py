@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
-from numpy_cae.atomic_write import atomic_write
+from numpy_cae.atomic_write import atomic_write, make_folder
 from numpy_cae.course.mine_file import EMPTY, FILE
 from numpy_cae.course.notebooks import (
     BEGIN,
@@ -72,7 +72,7 @@ def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool
         raise ValueError(f"{folder} holds the instructor's copies: name another folder")
     sources = [*lessons, *find_milestones(lessons[0].parent)]
     texts = {path.name: as_text(student_copy(read_notebook(path))) for path in sources}
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     for name, text in {**texts, FILE: EMPTY}.items():
         path = folder / name
         is_new = not path.exists()

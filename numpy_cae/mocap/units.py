@@ -28,6 +28,9 @@ UNITS = {
 }
 """The candidates of a guess, in metres. Feet are not among them: no file uses them."""
 
+SMALLEST_UNIT = 1e-6
+LARGEST_UNIT = 1e4
+"""A unit that is given is within this range (m): with others lengths overflow."""
 TYPICAL_METRES = 1.55
 """The stature (m) to which a guess comes closest, the geometric mean of 1.1 m (a child of five) and
 2.2 m (nobody is taller)."""
@@ -38,9 +41,11 @@ PLAUSIBLE_METRES = (0.9, 2.4)
 
 
 def require_unit(unit: float) -> float:
-    """The unit; ValueError unless it is a positive number of metres."""
-    if not (np.isfinite(unit) and unit > 0):
-        raise ValueError(f"unit is {unit}, expected metres per unit of the file, above 0")
+    """The unit; ValueError unless it is a number of metres from `SMALLEST_UNIT` to
+    `LARGEST_UNIT`."""
+    if not SMALLEST_UNIT <= unit <= LARGEST_UNIT:
+        expected = f"expected metres per unit of the file, {SMALLEST_UNIT:g} to {LARGEST_UNIT:g}"
+        raise ValueError(f"unit is {unit}, {expected}")
     return float(unit)
 
 

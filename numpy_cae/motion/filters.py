@@ -24,6 +24,8 @@ CUT_OFFS_HERTZ = np.array([1, 1.5, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 9, 11, 14])
 second."""
 HIGHEST_SHARE = 0.48
 """A cut-off is at most this share of the rate; at half of it the filter has no effect."""
+LOWEST_HERTZ = 0.001
+"""A cut-off is at least this frequency (Hz): at lower ones a curve becomes a straight line."""
 NOISE_HERTZ = 9.0
 """The residual of this cut-off (Hz) is taken for noise."""
 LEAST_RATE = 12.0
@@ -38,6 +40,10 @@ STRONG_SECONDS = 0.17
 STRONG_HERTZ = 5.0
 """The strong filter is a median over this time (s) and a Butterworth filter of this cut-off
 (Hz)."""
+
+MEDIAN_VALUES = 1 << 22
+"""`median_of` copies about this many values at a time: all windows of a long curve would fill the
+memory."""
 
 
 def filter_motion(motion: Motion, smooth: Callable[[np.ndarray], np.ndarray]) -> Motion:
@@ -102,4 +108,9 @@ def filter_strongly(values: np.ndarray, rate: float) -> np.ndarray:
 def median_of(values: np.ndarray, around: int) -> np.ndarray:
     """The median of each frame of (F, …) and as many frames before and after it."""
     padded = np.pad(values, ((around, around), *[(0, 0)] * (values.ndim - 1)), mode="edge")
-    return np.median(sliding_window_view(padded, 2 * around + 1, axis=0), axis=-1)
+    windows = sliding_window_view(padded, 2 * around + 1, axis=0)
+    medians = np.empty(values.shape)
+    frames = max(MEDIAN_VALUES * len(values) // max(windows.size, 1), 1)
+    for first in range(0, len(values), frames):
+        medians[first : first + frames] = np.median(windows[first : first + frames], axis=-1)
+    return medians

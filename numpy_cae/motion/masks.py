@@ -4,6 +4,8 @@ A mask is an array of bool: (frames,) or (frames, N) in the frames of a file, (F
 `RATE`, thirty frames a second. A run is a stretch of consecutive frames in which it is True.
 """
 
+import sys
+
 import numpy as np
 
 from numpy_cae.motion.motion import RATE, Motion
@@ -82,5 +84,6 @@ def fade_in_and_out(frames: int, stretch: slice, fade: float) -> np.ndarray:
     inside = (frame >= stretch.start) & (frame < stretch.stop)
     before = np.full(frames, np.inf) if stretch.start == 0 else frame - stretch.start + 1.0
     after = np.full(frames, np.inf) if stretch.stop == frames else stretch.stop - frame + 0.0
+    fade = min(fade, sys.float_info.max)  # a product of seconds and a rate may be infinite
     u = np.clip(np.minimum(before, after) / (fade + 1.0), 0.0, 1.0)
     return np.where(inside, u * u * (3 - 2 * u), 0.0)

@@ -19,7 +19,8 @@ from numpy_cae.cleanup.result import join_motions
 from numpy_cae.cli import main
 from numpy_cae.mocap import body_positions, write_bvh
 from numpy_cae.mocap.load import load_motion
-from numpy_cae.motion import JOINTS
+from numpy_cae.motion import JOINTS, filters
+from numpy_cae.motion.filters import median_of
 
 BODY = draw_body(np.random.default_rng(1))
 OTHER_SIDE = []
@@ -116,13 +117,28 @@ def test_a_median_removes_a_spike_and_fades_in_and_out():
     assert np.abs(np.diff(values[25:56], axis=0)).max() < 0.05
 
 
+def test_a_filter_of_the_whole_motion_does_not_fade_however_long():
+    motion = clip("walk")
+    filtered = filter_low_pass(motion, 4.0, fade=1e308)
+    expected = filter_low_pass(motion, 4.0, fade=0.0)
+    np.testing.assert_array_equal(filtered.rotations, expected.rotations)
+
+
+def test_medians_are_computed_in_parts(monkeypatch):
+    values = np.random.default_rng(0).normal(size=(50, 3))
+    expected = median_of(values, 7)
+    monkeypatch.setattr(filters, "MEDIAN_VALUES", 2 * 15 * 3)
+    np.testing.assert_array_equal(median_of(values, 7), expected)
+
+
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
-        (lambda motion: filter_low_pass(motion, 20.0), "expected above 0 and at most"),
+        (lambda motion: filter_low_pass(motion, 20.0), "expected 0.001 to 14.4"),
         (lambda motion: filter_low_pass(motion, 4.0, ["nose"]), "no joint 'nose'"),
         (lambda motion: filter_low_pass(motion, 4.0, None, (80, 95)), "the motion has 0 to 89"),
         (lambda motion: filter_median(motion, 0), "expected at least 1"),
+        (lambda motion: filter_median(motion, 90), "the motion has 90 in all"),
         (lambda motion: trim_motion(motion, (5, 4)), "the motion has 0 to 89"),
     ],
 )

@@ -13,6 +13,7 @@ import numpy as np
 
 from data_synth import make_take
 from numpy_cae import viz
+from numpy_cae.atomic_write import make_folder
 from numpy_cae.cleanup import repair_motion
 from numpy_cae.cli.shared import arguments
 from numpy_cae.evaluation.tables import NOTE, P, compare_repairs
@@ -50,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Repair a walk; then train, measure and draw."""
-    args.output.mkdir(parents=True, exist_ok=True)
+    make_folder(args.output)
     _repair_a_walk(args.output, args.seed)
     _train(args.output, args.seed, not args.quiet)
     return 0

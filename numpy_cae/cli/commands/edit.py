@@ -15,6 +15,7 @@ examples, with the files that `numpy-cae demo` writes:
 import argparse
 from pathlib import Path
 
+from numpy_cae.atomic_write import make_folder
 from numpy_cae.cleanup.edits import (
     FADE_SECONDS,
     filter_low_pass,
@@ -28,6 +29,7 @@ from numpy_cae.mocap import require_bvh
 from numpy_cae.mocap.file_motion import KEPT_SUFFIXES, FileMotion
 from numpy_cae.mocap.load import load_motion
 from numpy_cae.motion import Motion
+from numpy_cae.motion.motion import MAX_RATE, MIN_RATE
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     motion = load_motion(args.file, **arguments.reading(args))
     if args.split:
         clips = split_at_cuts(motion)
-        args.output.mkdir(parents=True, exist_ok=True)
+        make_folder(args.output)
         suffix = args.file.suffix if args.file.suffix.lower() in KEPT_SUFFIXES else ".bvh"
         for number, clip in enumerate(clips, start=1):
             _write(args, clip, args.output / f"{args.file.stem}_{number}{suffix}")
@@ -118,6 +120,9 @@ def _require_suitable(args: argparse.Namespace) -> None:
     for option, value in (("--joint", args.joint), ("--fade", args.fade)):
         if value is not None and not is_filter:
             raise ValueError(f"{option} is for --low-pass and --median")
+    if args.resample is not None and not MIN_RATE <= args.resample <= MAX_RATE:
+        expected = f"expected {MIN_RATE:g} to {MAX_RATE:g} frames a second"
+        raise ValueError(f"--resample: the rate is {args.resample:g}, {expected}")
     if args.split:
         return
     if args.file.suffix.lower() not in KEPT_SUFFIXES or args.file.suffix != args.output.suffix:

@@ -9,6 +9,7 @@ examples, with the files that `numpy-cae demo` writes:
 import argparse
 from pathlib import Path
 
+from numpy_cae.atomic_write import make_folder
 from numpy_cae.cli.shared import arguments
 from numpy_cae.cli.shared.files import require_one_target_each
 
@@ -36,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     for source, motion in zip(args.files, motions, strict=True):
         print(f"{source}: {motion}, {motion.seconds:.1f} s, {motion.note}")
     actors = side_by_side(motions, [source.name for source in args.files])
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     if is_page:
         save_viewer(actors, args.output, motions[0].rate)
         print(f"{args.output}: open it in a browser")

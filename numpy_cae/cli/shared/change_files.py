@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numpy_cae.atomic_write import replacing
+from numpy_cae.atomic_write import make_folder, replacing
 from numpy_cae.cleanup import Repaired, write_findings
 from numpy_cae.cleanup.events import rows_of_events
 from numpy_cae.cleanup.words import count
@@ -166,7 +166,7 @@ def write_page(
 def _make_folder(outcome: Outcome, path: Path) -> None:
     """Make the folder of a file to write, if the command writes a folder."""
     if not outcome.is_single:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
 
 
 def write_file_of_findings(outcome: Outcome, source: Path, repaired: Repaired) -> dict[Path, str]:

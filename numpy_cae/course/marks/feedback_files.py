@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from numpy_cae.atomic_write import atomic_write, stamped
+from numpy_cae.atomic_write import atomic_write, make_folder, stamped
 from numpy_cae.course.marks.handed_in import HandedIn
 from numpy_cae.errors import FileError
 from numpy_cae.verify.grading.student_file import FileReport
@@ -33,7 +33,7 @@ def write_feedback(folder: Path, reports_of: Mapping[str, Sequence[FileReport]])
     that a teacher has edited is only replaced with --overwrite.
     """
     kept: list[FileError] = []
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     counts = Counter(student.casefold() for student in reports_of)
     for number, (student, files) in enumerate(reports_of.items(), 1):
         safe = re.sub(r"[^\w-]", "_", student)[:LONGEST_NAME]

@@ -55,7 +55,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     ------
     ValueError
         If the motion has no frames, values that are not finite or names that BVH cannot hold, or
-        `unit` is not above 0.
+        `unit` is no length that a file can have.
     FileError
         If the file cannot be written.
 
