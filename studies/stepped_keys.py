@@ -6,8 +6,10 @@
 in the training data." The network is not given which frames are keys; nor are the moving averages
 of 15 frames, once and twice, its simplest opponents. The keys are visible, where the held pose
 changes: linear interpolation between them, with bones at their lengths, is the simplest method that
-uses them. Errors are measured up to the last key. A held key lags behind by half of the distance of
-two keys on average: "delayed" is the error against the truth so many frames before.
+uses them. The rotation curves of animation programs are given which frames are keys, and the
+rotations of the rig in these. Errors are measured up to the last key. A held key lags behind by
+half of the distance of two keys on average: "delayed" is the error against the truth so many frames
+before.
 """
 
 from typing import NamedTuple
@@ -15,9 +17,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from numpy_cae.cleanup.interpolation import interpolate_joints
 from numpy_cae.evaluation import jitter, position_error
 from numpy_cae.manifold import MotionManifold
-from numpy_cae.motion import features_to_positions
+from numpy_cae.manifold.filling import keyframe_mask
+from numpy_cae.mocap import body_positions
+from numpy_cae.motion import Motion, features_to_positions
+from numpy_cae.motion.hole_curves import ROTATION_CURVES
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.interpolation import set_bone_lengths
 from studies.shared.judging import all_of, ratio_of_means
@@ -34,6 +40,7 @@ HELD = "held"
 AVERAGE = "moving average of 15 frames"
 TWICE = "moving average, twice"
 LINEAR = "keys: linear, bones at their lengths"
+CURVE = "keys: {} of the rotations"
 NETWORK = "the network"
 TRUE = "truth"
 FREE = (AVERAGE, TWICE)
@@ -65,9 +72,12 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     measure = ValidityMeasure(
         features_of(manifold, material.training), manifold.lengths, manifold.rate
     )
+    takes = evenly(takes, TAKES)
     fillings = []
-    for features in features_of(manifold, evenly(takes, TAKES)):
-        fillings.append(fill_steps(manifold, features))
+    for take, features in zip(takes, features_of(manifold, takes), strict=True):
+        filling = fill_steps(manifold, features)
+        motion = material.motion(take).resampled(manifold.rate).at(slice(len(filling[TRUE])))
+        fillings.append(filling | fill_by_curves(manifold, motion))
     measured = {}
     for method in fillings[0]:
         rows = [_measure(filling[method], filling[TRUE], measure) for filling in fillings]
@@ -93,13 +103,24 @@ def fill_steps(manifold: MotionManifold, features: np.ndarray) -> dict[str, np.n
     average = _average(held)
     linear = np.stack([np.interp(frames, keys, column[keys]) for column in truth.T], axis=1)
     return {
+        TRUE: truth,
         HELD: held,
         AVERAGE: average,
         TWICE: _average(average),
         LINEAR: set_bone_lengths(linear, manifold.lengths),
         NETWORK: manifold.project(held),
-        TRUE: truth,
     }
+
+
+def fill_by_curves(manifold: MotionManifold, motion: Motion) -> dict[str, np.ndarray]:
+    """The features (F, 63) of a motion that ends at a key, of which the rotations in the keys are
+    interpolated by each rotation curve."""
+    mask = keyframe_mask(len(motion), EVERY)
+    filled = {}
+    for name, curve in ROTATION_CURVES.items():
+        interpolated = interpolate_joints(motion, mask, lambda *_, curve=curve: curve)
+        filled[CURVE.format(name)] = manifold.features(body_positions(interpolated))[0]
+    return filled
 
 
 def _average(features: np.ndarray) -> np.ndarray:

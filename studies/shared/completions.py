@@ -4,12 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation import position_error
 from numpy_cae.evaluation.tables import interpolate_columns, interpolate_pchip
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.completion import complete, interpolate_gaps
 from numpy_cae.manifold.weighted_completion import candidates_of, complete_weighted
-from numpy_cae.motion import POSITIONS, joint_slice
+from numpy_cae.motion import POSITIONS
 from studies.shared.result import Table
 
 PS = (0.5, 0.8, 0.9)
@@ -27,7 +26,6 @@ WITHOUT_NETWORK = "weighed without the network"
 WEIGHED = "weighed: `complete`"
 OF_BEST = "`complete`, divided by the best of the others"
 GAIN = "of the gain on PCHIP, by the network, %"
-MEAN_POSE = "the mean pose"
 Squares = dict[str, dict[float, list[float]]]
 """Method to p to the mean square error (cm²) of each take and seed."""
 
@@ -113,23 +111,3 @@ def shares_by_network(errors: Mapping[str, Sequence[float]]) -> list[str]:
     for pchip, without, error in zip(*methods, strict=True):
         shares.append(f"{100 * (without - error) / (pchip - error):.0f}")
     return shares
-
-
-def table_of_missing_columns(
-    manifold: MotionManifold, takes: Sequence[np.ndarray], joints: Sequence[str], source: str
-) -> Table:
-    """Errors (cm) of a joint that is missing in all frames of a take, mask given."""
-    rows: list[list[object]] = []
-    for joint in joints:
-        errors = []
-        for features in takes:
-            truth = middle_of(features)
-            known = np.ones(truth.shape, bool)
-            known[:, joint_slice(joint)] = False
-            completed = complete_by_every_method(manifold, truth, known)
-            completed[MEAN_POSE] = np.broadcast_to(manifold.mean_pose, truth.shape)
-            methods = (MEAN_POSE, NETWORK, WEIGHED)
-            errors.append([position_error(completed[name], truth, joint) for name in methods])
-        rows.append([joint, *np.sqrt(np.mean(np.square(errors), axis=0))])
-    caption = f"{source}: error of a joint that is missing throughout a take, mask given, cm:"
-    return Table(caption, ["missing joint", MEAN_POSE, NETWORK, WEIGHED], rows)

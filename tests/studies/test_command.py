@@ -55,17 +55,17 @@ def test_it_writes_its_files_and_a_study_that_cannot_be_run_stops_no_other(
 ):
     out = tmp_path / "new"
     words = ["--data", folder, "-m", model / "known.npz", "-o", out]
-    assert run("interpolation", "filling_in", *words) == 0
+    assert run("interpolation", "stepped_keys", *words) == 0
     captured = capsys.readouterr()
     assert "interpolation could not be run: the test takes have neither" in captured.err
     assert "claims confirmed\n" in captured.out
     report, data = ((out / f"report.{suffix}").read_text() for suffix in ("md", "json"))
     assert report.startswith("# ") and report.count("\n# ") == 1
-    assert "](filling_in.png)" in report and (out / "filling_in.png").is_file()
+    assert "](stepped_keys.png)" in report and (out / "stepped_keys.png").is_file()
     assert "the network" in report and "*_3.bvh" in report and f"NumPy {np.__version__}" in report
     results = json.loads(data)
-    assert set(results) == {"interpolation", "filling_in"}
-    made = results["filling_in"]["provenance"]
+    assert set(results) == {"interpolation", "stepped_keys"}
+    made = results["stepped_keys"]["provenance"]
     assert made["data"].endswith("10 takes to fit baselines to, 5 to test")
     assert {"seed", "model", "training", "versions", "time"} < set(made)
     assert len(list(out.iterdir())) == 4
@@ -84,7 +84,7 @@ def test_takes_of_the_training_are_refused(
     folder, model, tmp_path, capsys, monkeypatch, words, message
 ):
     monkeypatch.chdir(model)
-    assert run("filling_in", "--data", folder, "-o", tmp_path / "out", *words) == 2
+    assert run("stepped_keys", "--data", folder, "-o", tmp_path / "out", *words) == 2
     assert message in capsys.readouterr().err.splitlines()[-1]
     assert not (tmp_path / "out").exists()
 
@@ -106,7 +106,7 @@ def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys
     ):
         monkeypatch.setattr(module, name, fewer)
     out = tmp_path / "out"
-    words = ["--data", folder, "-o", out, *TINY]
+    words = ["--data", folder, "-o", out, "--cache", tmp_path / "cache", *TINY]
     assert run("sequences", *words) == 0
     printed, report = capsys.readouterr(), (out / "report.md").read_text(encoding="utf-8")
     action = folder.name

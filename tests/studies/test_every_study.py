@@ -6,12 +6,14 @@ from studies.shared.result import measured, png, report, text
 
 NAMES = "repair_sweep filling_in interpolation comparison holes sampling "
 NAMES += "representation kinect depth wrist stepped_keys training_choices scaling"
+WITHOUT_CLAIMS = ("filling_in",)
 
 
 @pytest.mark.parametrize("name", NAMES.split())
 def test_the_result_is_well_formed(result_of, name):
     result = result_of(name)
-    assert result.tables and result.claims
+    assert result.tables
+    assert bool(result.claims) == (name not in WITHOUT_CLAIMS)
     for table in result.tables:
         assert table.rows
         assert {len(row) for row in table.rows} == {len(table.header)}
