@@ -7,7 +7,7 @@ compared on clips that nothing was trained on with principal components of as ma
 pose, the first pose, and the same network without its regulariser.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from numpy_cae.evaluation.tables import (
@@ -17,13 +17,14 @@ from numpy_cae.evaluation.tables import (
     Table,
     compare_reconstructions,
 )
-from numpy_cae.training import SequenceSchedule, TrainingState
+from numpy_cae.training import SequenceSchedule
 from studies.jang2018 import training
 from studies.jang2018.actions import Action
 from studies.jang2018.samples import COLOURS, MMD, NONE, SLICED, figure_3, regulariser, samples
 from studies.jang2018.training import Study, figure_2
 from studies.shared.messages import note
 from studies.shared.result import Claim, Result, combined
+from studies.shared.trained import Trainer
 
 MMD_WEIGHT = 0.1
 """Λ of MMD, as in the authors' later program."""
@@ -38,21 +39,22 @@ def run(
     schedule: SequenceSchedule,
     sizes: dict[str, int],
     seed: int = 0,
-    progress: Callable[[TrainingState], None] | None = None,
+    trainer: Trainer | None = None,
     points: int = training.CURVE_POINTS,
 ) -> Result:
     """Train on each action with each regulariser.
 
     The schedule's weight λ is that of the regulariser. `train_study` is given `seed` and, as
-    arguments for the network, `sizes`. `progress` reports a training. The curves have about so many
-    points.
+    arguments for the network, `sizes`. The trainer keeps what is trained. The curves have about so
+    many points.
     """
+    trainer = trainer or Trainer()
 
     def train(action: Action, weight: float, name: str) -> Study:
         note(f"{action.name}, {name}")
         weighted = replace(schedule, weight=weight)
         mmd = name == MMD
-        return training.train_study(action, weighted, seed, progress, mmd, points, **sizes)
+        return training.learn_study(trainer, action, weighted, seed, mmd, points, **sizes)
 
     weights = {SLICED: schedule.weight, MMD: MMD_WEIGHT, NONE: 0.0}
     trained: dict[str, list[Study]] = {}

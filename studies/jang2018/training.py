@@ -16,15 +16,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from numpy_cae import ops
+from numpy_cae.array_file import save_arrays
 from numpy_cae.evaluation import angle_distance
 from numpy_cae.evaluation.tables import Table
-from numpy_cae.manifold import SequenceManifold, learn_sequences
+from numpy_cae.manifold import SequenceManifold, learn_sequences, load_manifold
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import cut_clips
 from numpy_cae.training import SequenceSchedule, TrainingState, train_sequential, unit_directions
 from studies.jang2018.actions import Action
 from studies.jang2018.mmd import MmdEngine
+from studies.shared.messages import note
 from studies.shared.result import Claim, Picture, Result
+from studies.shared.trained import Trainer
 
 CLIPS = 1000
 """Latent vectors of one measurement of the discrepancy."""
@@ -80,6 +83,7 @@ def train_study(
     rng = np.random.default_rng(seed)
     rng_of_errors = np.random.default_rng([seed, 1])
     manifold = learn_sequences(action.training, replace(schedule, epochs=0), rng, **network)
+    manifold.settings = {"action": action.described(), "seed": seed, "schedule": str(schedule)}
     measured = manifold.network
     interval = max(1, schedule.epochs * schedule.steps // points)
     curve: dict[str, list] = {"steps": [], "error": [], "discrepancy": []}
@@ -107,6 +111,33 @@ def train_study(
     draw = partial(manifold.random_clips, action.training)
     train_sequential(trained, draw, schedule, rng, report_and_measure)
     return Study(action, manifold, {name: np.array(values) for name, values in curve.items()})
+
+
+def learn_study(
+    trainer: Trainer,
+    action: Action,
+    schedule: SequenceSchedule,
+    seed: int = 0,
+    mmd: bool = False,
+    points: int = CURVE_POINTS,
+    **network: int,
+) -> Study:
+    """`train_study`, or what the trainer keeps of the same takes and arguments."""
+    takes = [sequence.numbers for sequence in (*action.training, *action.testing)]
+    counts = (len(action.training), len(action.testing))
+    path = trainer.path_of(*takes, counts, schedule, seed, mmd, points, network)
+    if path is None:
+        return train_study(action, schedule, seed, trainer.report, mmd, points, **network)
+    curve_path = path.with_suffix(".curve.npz")
+    if not path.is_file():
+        study = train_study(action, schedule, seed, trainer.report, mmd, points, **network)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save_arrays(study.curve, curve_path)
+        study.manifold.save(path)
+        note(f"the network is kept: {path}")
+    manifold = load_manifold(path)
+    with np.load(curve_path) as curve:
+        return Study(action, manifold, dict(curve))
 
 
 def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:

@@ -58,7 +58,6 @@ OPTIONS = {
     "actions": f"data test actions minutes {READING}",
     "schedule": "epochs rate batch steps weight optimiser",
     "sizes": "hidden latent frames burn_in",
-    "progress": "quiet",
     "trainer": "cache quiet",
     "seed": "seed",
 }

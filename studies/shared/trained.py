@@ -25,7 +25,7 @@ from studies.shared.messages import note
 
 @dataclass(frozen=True)
 class Trainer:
-    """Trains convolutional networks, and keeps them in a folder.
+    """Trains networks, and keeps them in a folder.
 
     Parameters
     ----------
@@ -52,15 +52,21 @@ class Trainer:
 
     def keep(self, train: Callable[[], MotionManifold], *settings: object) -> MotionManifold:
         """What `train` returns, or what it returned when the settings were the same."""
-        if self.folder is None:
+        path = self.path_of(*settings)
+        if path is None:
             return train()
-        path = self.folder / f"{hash_of(settings)}.npz"
         if not path.is_file():
             manifold = train()
             path.parent.mkdir(parents=True, exist_ok=True)
             manifold.save(path)
             note(f"the network is kept: {path}")
         return load_manifold(path)
+
+    def path_of(self, *settings: object) -> Path | None:
+        """The file of a network that was trained with these settings; None without a folder."""
+        if self.folder is None:
+            return None
+        return self.folder / f"{hash_of(settings)}.npz"
 
 
 def hash_of(settings: Sequence[object]) -> str:

@@ -19,6 +19,7 @@ from studies.jang2018.mmd import maximum_mean_discrepancy
 from studies.jang2018.samples import FITTED, PRINCIPAL, PRIOR, REAL, TRAINING, sample_clips
 from studies.sequence_choices import AS_PAPER, NO_INPUT, NoInput, SameOrder, TrueFrames
 from studies.shared.result import png
+from studies.shared.trained import Trainer
 
 SHORT = SequenceSchedule(epochs=1, steps=2, batch=8, directions=4)
 SIZES = {"hidden": 8, "latent": 4, "frames": 20}
@@ -43,6 +44,16 @@ def test_a_study_measures_before_the_first_step_and_after(studies):
     x_hat, truth = map(manifold.denormalise, (manifold.network.denoise(x), x))
     error = angle_distance(x_hat, truth)
     assert curve["error"][-1] == pytest.approx(error, rel=0.03)
+
+
+def test_a_study_that_is_kept_is_not_trained_again(studies, tmp_path, monkeypatch):
+    arguments = (Trainer(tmp_path / "new"), studies[0].action, SHORT)
+    study = training.learn_study(*arguments, **SIZES)
+    monkeypatch.delattr(training, "train_study")
+    again = training.learn_study(*arguments, **SIZES)
+    assert again.squared_error() == study.squared_error() == studies[0].squared_error()
+    for name, values in studies[0].curve.items():
+        np.testing.assert_array_equal(again.curve[name], values)
 
 
 def test_figure_2_tests_the_trend(studies):
