@@ -57,7 +57,7 @@ def write_notebook(notebook: dict, path: str | Path) -> None:
 
 
 def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool]]:
-    """Write students' copies, the milestones beside them and mine.py.
+    """Write students' copies, the milestones that follow one of the lessons, and mine.py.
 
     An existing file is not changed.
 
@@ -70,7 +70,11 @@ def write_copies(lessons: list[Path], folder: Path) -> Iterator[tuple[Path, bool
     """
     if any(folder.resolve() == path.parent.resolve() for path in lessons):
         raise ValueError(f"{folder} holds the instructor's copies: name another folder")
-    sources = [*lessons, *find_milestones(lessons[0].parent)]
+    numbers = [number_of(lesson) for lesson in lessons]
+    sources = list(lessons)
+    for milestone in find_milestones(lessons[0].parent):
+        if milestone.stem.removeprefix("milestone_") in numbers:
+            sources.append(milestone)
     texts = {path.name: as_text(student_copy(read_notebook(path))) for path in sources}
     make_folder(folder)
     for name, text in {**texts, FILE: EMPTY}.items():

@@ -69,6 +69,14 @@ def test_the_command_writes_the_students_copies_of_all_lessons(tmp_path):
         assert read_notebook(tmp_path / path.name) == student_copy(read_notebook(path))
 
 
+@pytest.mark.parametrize(("number", "milestones"), [("03", []), ("08", ["milestone_08.ipynb"])])
+def test_one_lesson_comes_with_the_milestone_that_follows_it(number, milestones, tmp_path):
+    assert main(["lessons", str(tmp_path), "--only", number]) == 0
+    (lesson,) = [path.name for path in LESSONS if path.name.startswith(number)]
+    written = [path.name for path in tmp_path.iterdir()]
+    assert sorted(written) == [lesson, *milestones, "mine.py"]
+
+
 def test_a_release_is_laid_out_for_nbgrader_and_holds_no_solution(tmp_path):
     packed, third = tmp_path / "week3.zip", LESSONS[3].name
     assert main(["lessons", "--release", str(packed), "03", "04"]) == 0

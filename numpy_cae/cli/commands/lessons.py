@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--release", nargs="+", metavar=("FILE.zip", "NN"), help=release)
     source = "folder of the lessons (default: the package's)"
     add("--from", dest="source", default=copies.lessons_folder(), **arguments.FOLDER, help=source)
-    add("--only", metavar="NN", help="number of the only lesson to process")
+    add("--only", metavar="NN", help="number of the only lesson to write")
     arguments.add_shared(parser, "overwrite")
 
 

@@ -35,8 +35,8 @@ TRY = (
     "from (--from)"
 )
 ANYWAY = (
-    "to repair one of them anyway: --only and its number; with the rest: --findings f.json, "
-    'add "accept": true to it, then --mask f.json'
+    "to repair one of them alone: --only and its number; to repair it with the rest: write the "
+    'list with --findings f.json, add "accept": true to the finding, then --mask f.json'
 )
 NOT_DONE = {
     "proposed": "proposed, not changed",
@@ -277,8 +277,8 @@ def _advice(repaired: Repaired, command: str) -> list[str]:
     name = fitting_preset(repaired.original) if repaired.original else None
     if name is None:
         return []
-    suits = f"which suits motion that {FITS[name]}, as this does"
-    return [f"not done yet: {PRESETS[name]}, {suits}; to do it: {command} --from {name}"]
+    steps = f"--from {name} suits a motion that {FITS[name]}, as this does: {PRESETS[name]}"
+    return [f"not done yet: {steps}. The command: {command} --from {name}"]
 
 
 def _measures_in_words(before: Measures, after: Measures) -> list[tuple[str, str, str]]:
