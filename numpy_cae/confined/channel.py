@@ -24,6 +24,11 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+try:
+    from numpy.lib.array_utils import byte_bounds
+except ImportError:  # before NumPy 2
+    from numpy import byte_bounds  # type: ignore[attr-defined, no-redef]
+
 LARGEST_MESSAGE = 2**29
 """A message may have at most so many bytes."""
 HEAD = struct.Struct("<QQ")
@@ -392,7 +397,7 @@ def _describe_memory(array: np.ndarray) -> tuple[list, bytes]:
 
     Without strides, these are its entries in C order.
     """
-    first, end = np.lib.array_utils.byte_bounds(array)
+    first, end = byte_bounds(array)
     if end - first > MOST_SPARSE * array.nbytes:
         return [None, 0, array.flags.writeable], array.tobytes()
     offset = array.__array_interface__["data"][0] - first
