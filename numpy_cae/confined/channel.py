@@ -174,7 +174,9 @@ class Channel:
         text = json.dumps(message).encode()
         data = b"".join(outgoing.blocks)
         # Nothing that the other process may refer to ends before its next message is read.
-        self._held = [thing, *map(self._array, list(self._arrays))]
+        self._held = [thing]
+        if self._trusted:  # the other keeps its arrays
+            self._held += map(self._array, list(self._arrays))
         self._held += [proxy() for proxy in list(self._proxies.values())]
         self._write(HEAD.pack(len(text), len(data)) + text + data)
 
@@ -186,7 +188,7 @@ class Channel:
         text = self._read(text_size)
         data = memoryview(self._read(data_size))
         try:
-            message = json.loads(text)
+            message = json.loads(text.decode())
             dropped_arrays, dropped_functions = message["dropped"]
             for number in dropped_functions:
                 self._drop_function(number)
@@ -197,9 +199,10 @@ class Channel:
             for number, *description, size in message["arrays"]:
                 if self._trusted and description[2] is not None:
                     raise MessageError("an array with strides")
-                array = _array_from(description, data[place : place + size])
+                contents = bytes(data[place : place + size])
+                array = _array_from(description, contents)
                 received.append(array)
-                self._track(number, array, array.tobytes())
+                self._track(number, array, contents if description[2] is None else array.tobytes())
                 place += size
             for number in message["changed"]:
                 place += self._change(number, data[place:])
@@ -405,21 +408,21 @@ def _describe_memory(array: np.ndarray) -> tuple[list, bytes]:
     return [list(array.strides), offset, bool(array.flags.writeable)], bytes(memory)
 
 
-def _array_from(description: list, data: memoryview) -> np.ndarray:
+def _array_from(description: list, contents: bytes) -> np.ndarray:
     """An array from the description that the other process sent."""
     dtype_name, shape, strides, offset, is_writeable = description
     dtype = _dtype(dtype_name)
-    memory = bytearray(data)
     if strides is None:
-        array = np.ndarray(tuple(shape), dtype, memory)
-        if array.nbytes != len(data):
+        array = np.ndarray(tuple(shape), dtype, contents)
+        if array.nbytes != len(contents):
             raise MessageError("an array of another size than its contents")
         array = array.copy()
     else:
-        array = np.ndarray(tuple(shape), dtype, memory, offset, tuple(strides))
+        array = np.ndarray(tuple(shape), dtype, bytearray(contents), offset, tuple(strides))
         if array.flags.f_contiguous:
             array = array.copy(order="F")
-    array.flags.writeable = bool(is_writeable)
+    if not is_writeable:
+        array.flags.writeable = False
     return array
 
 

@@ -58,11 +58,14 @@ class _Refusal(MetaPathFinder):
         return None
 
 
-def main() -> None:
-    """Serve calls of `confine_here` and `run_file` until the connection ends."""
-    reader = Reader(_out_of_the_way(0, 1), at_end=lambda: os._exit(0))
-    write = partial(write_all, _out_of_the_way(1, 2))
-    _silence()
+def serve(calls: int, answers: int) -> None:
+    """Serve calls of `confine_here` and `run_file` until the connection ends.
+
+    Calls come by the first of the two descriptors, and answers go to the second.
+    """
+    reader = Reader(_out_of_the_way(calls, 1), at_end=lambda: os._exit(0))
+    write = partial(write_all, _out_of_the_way(answers, 2))
+    silence()
     channel = Channel(reader.read, write, trusted=False)
     channel.publish(lambda: (confine_here, run_file))
     try:
@@ -74,6 +77,8 @@ def main() -> None:
 def _out_of_the_way(stream: int, place: int) -> int:
     """Another number for a stream, among the highest that a process may have."""
     number = os.dup(stream)
+    if stream > 2:  # the standard streams are silenced
+        os.close(stream)
     if resource is None:
         return number
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
@@ -86,7 +91,7 @@ def _out_of_the_way(stream: int, place: int) -> int:
     return number
 
 
-def _silence() -> None:
+def silence() -> None:
     """Read nothing and print nothing from now on."""
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
@@ -218,4 +223,4 @@ def _raiser_of(error: BaseException) -> Callable[[], None]:
 
 
 if __name__ == "__main__":
-    main()
+    serve(0, 1)

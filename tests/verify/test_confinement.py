@@ -3,11 +3,14 @@
 docs/grading_files.md says what holds where the kernel has neither Landlock nor such filters.
 """
 
+import os
 import re
+import signal
 import sys
 import time
 from pathlib import Path
 from subprocess import PIPE, Popen
+from threading import Thread
 
 import pytest
 from hostile_actions import ACTIONS, BEGINNING, PATCHES
@@ -28,11 +31,12 @@ def tanh(x):
     return 0 * x + 0.3, lambda dy: 0 * dy
 """
 KILLED_IN_ITS_CASES = """
+import os
 import numpy as np
 
 
 def tanh(x):
-    open("pid", "w").write("here")
+    open("pid", "w").write(str(os.getpid()))
     while True:
         pass
 """
@@ -105,24 +109,35 @@ def request_for(tmp_path, monkeypatch):
     return make
 
 
+@pytest.fixture(params=["a program", "a fork of the template"])
+def grade_request(request, forked_grading):
+    """Does a request, with either kind of process for the student's file."""
+    return reply_to if request.param == "a program" else student_file.run
+
+
+def kill_when_it_runs(folder: Path) -> None:
+    """Wait until a student's file has written the number of its process, and kill that."""
+    number = ""
+    while not number:
+        time.sleep(0.01)
+        for path in folder.glob("*/pid"):
+            number = path.read_text()
+    os.kill(int(number), signal.SIGKILL)
+
+
 @is_confined
-def test_a_process_that_is_killed_from_outside_is_said_to_be(request_for, monkeypatch):
-    started = student_process.subprocess.Popen
-    processes = []
+def test_a_process_that_is_killed_from_outside_is_said_to_be(request_for, grade_request, tmp_path):
+    request = request_for(KILLED_IN_ITS_CASES)
+    killer = Thread(target=kill_when_it_runs, args=[tmp_path], daemon=True)
+    killer.start()
+    assert grade_request(request)["ungraded"] == student_process.KILLED
 
-    def start(*arguments, **options):
-        processes.append(started(*arguments, **options))
-        return processes[-1]
 
-    def kill_when_it_runs(self):
-        while not (self._folder / "pid").exists():
-            time.sleep(0.01)
-        processes[-1].kill()
-
-    monkeypatch.setattr(student_process.subprocess, "Popen", start)
-    monkeypatch.setattr(student_process.StudentProcess, "_watch", kill_when_it_runs)
-    reply = reply_to(request_for(KILLED_IN_ITS_CASES))
-    assert reply["ungraded"] == student_process.KILLED
+@is_confined
+def test_a_loop_ends_by_its_processor_time(request_for, grade_request):
+    request = request_for(KILLED_IN_ITS_CASES) | {"seconds": 1.0}
+    failed = grade_request(request)["results"]["tanh"]["failed"]
+    assert failed == student_process.OUT_OF_TIME
 
 
 def test_a_full_disk_is_no_fault_of_the_file(request_for, monkeypatch):

@@ -19,6 +19,7 @@ from typing import Any
 
 from numpy_cae.confined.channel import MessageError
 from numpy_cae.confined.confinement import PR_SET_PDEATHSIG, set_process_option
+from numpy_cae.confined.template import Template
 from numpy_cae.verify.checks.messages import error_text
 from numpy_cae.verify.grading.report import reply_of, try_all
 from numpy_cae.verify.grading.student_process import (
@@ -32,20 +33,20 @@ from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation_catalogue import Exercise
 from numpy_cae.verify.operations.property import Outcome
 
-PR_SET_CHILD_SUBREAPER = 36
-"""A process is the parent of its descendants whose own parent has ended."""
 HEARTBEAT_SECONDS = 1.0
 """So often this process says that it runs."""
 
 
-def main() -> None:
+def main(template: Template | None) -> None:
     """Do the request on standard input; the last line on standard output is the reply.
 
     The lines before it are empty: each says that this process was not stopped.
+    `python -m numpy_cae.confined` calls this function with the template of confined processes.
     """
     set_process_option(PR_SET_PDEATHSIG, signal.SIGKILL)
     threading.Thread(target=_send_heartbeats, daemon=True).start()
-    print(json.dumps(reply_to(json.load(sys.stdin))), flush=True)
+    reply = reply_to(json.load(sys.stdin), template)
+    print(json.dumps(reply), flush=True)
 
 
 def _send_heartbeats() -> None:
@@ -55,29 +56,30 @@ def _send_heartbeats() -> None:
         os.write(1, b"\n")
 
 
-def reply_to(request: dict[str, Any]) -> dict[str, Any]:
+def reply_to(request: dict[str, Any], template: Template | None = None) -> dict[str, Any]:
     """What the file lacks, and for each function its outcomes or the reason why there are none.
 
-    If the grader itself fails, the reply says why as `ungraded`.
+    The template starts the confined processes; without one, they are programs. If the grader itself
+    fails, the reply says why as `ungraded`.
     """
     try:
-        return _grade(request)
+        return _grade(request, template)
     except Ungraded as error:
         return {"failed": "", "ungraded": str(error)}
     except Exception as error:  # a fault of ours, a full disk, no memory
         return {"failed": "", "ungraded": f"its grader failed: {error_text(error, __file__)}"}
 
 
-def _grade(request: dict[str, Any]) -> dict[str, Any]:
+def _grade(request: dict[str, Any], template: Template | None) -> dict[str, Any]:
     """The reply if the grader itself does not fail."""
-    set_process_option(PR_SET_CHILD_SUBREAPER, 1)
     submission = read_submission(Path(request["path"]))
     catalogue: Mapping[str, Exercise] = import_module(request["catalogue"]).CATALOGUE
     reply: dict[str, Any] = {"defined": (), "problems": [], "failed": ""}
     results: dict[str, dict[str, Any]] = {}
     replaced: list[str] = []  # solutions take the place of functions that do not hold
     rest = list(request["requested"])
-    with _started(request, catalogue, replaced, rest) as process:  # also tests the first function
+    first = _started(request, catalogue, replaced, rest, template)
+    with first as process:  # it also tests the first function
         try:
             functions, problems = _run(process, submission, request, replaced)
         except ProcessEnded as ended:
@@ -89,7 +91,7 @@ def _grade(request: dict[str, Any]) -> dict[str, Any]:
             results[name] = _try_function(process, catalogue[name], functions[name])
     for name in rest:
         if name in reply["defined"] and name not in results:
-            with _started(request, catalogue, replaced, [name]) as process:
+            with _started(request, catalogue, replaced, [name], template) as process:
                 results[name] = _run_and_try(
                     process, submission, request, replaced, catalogue[name]
                 )
@@ -104,6 +106,7 @@ def _started(
     catalogue: Mapping[str, Exercise],
     replaced: Sequence[str],
     names: Sequence[str],
+    template: Template | None,
 ) -> Iterator[StudentProcess]:
     """A confined process for some functions; it and all that it has started are ended afterwards.
 
@@ -113,13 +116,12 @@ def _started(
     solutions = {name: catalogue[name].solution for name in available}
     tested = [catalogue[name].solution for name in names if name not in available]
     beside = Path(request["path"]).parent
-    earlier = find_children()
-    process = StudentProcess(request["seconds"], request["megabytes"], beside, solutions, tested)
+    limits = request["seconds"], request["megabytes"]
+    process = StudentProcess(*limits, beside, solutions, tested, template)
     try:
         yield process
     finally:
         process.end()
-        end_children(earlier)  # such as a process that left the group which is killed
 
 
 def _run(
@@ -191,24 +193,3 @@ def _is_right(result: Mapping[str, Any] | None) -> bool:
     if result is None:
         return False
     return not result["failed"] and all(outcome["held"] for outcome in result["outcomes"])
-
-
-def find_children() -> set[int]:
-    """The processes whose parent this one is, where /proc lists them (Linux)."""
-    children = Path(f"/proc/self/task/{os.getpid()}/children")
-    return set(map(int, children.read_text().split())) if children.exists() else set()
-
-
-def end_children(earlier: set[int]) -> None:
-    """Kill the processes whose parent this one is, but for the earlier ones.
-
-    A child's own children become this process's when the child ends, and are killed next.
-    """
-    while processes := find_children() - earlier:
-        for process in processes:
-            os.kill(process, signal.SIGKILL)
-            os.waitpid(process, 0)
-
-
-if __name__ == "__main__":
-    main()

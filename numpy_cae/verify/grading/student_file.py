@@ -47,7 +47,7 @@ PASSED_ON = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
 """The environment variables that the grader's process gets."""
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "BLIS")
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in LIBRARIES}
-CHILD = [sys.executable, "-B", "-m", "numpy_cae.verify.grading.sandbox"]
+CHILD = [sys.executable, "-B", "-P", "-m", "numpy_cae.confined", "numpy_cae.verify.grading.sandbox"]
 BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
 COPIED = "the cell of {} is there more than once: the last one counts"

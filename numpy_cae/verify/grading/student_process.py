@@ -6,8 +6,6 @@ It is ended in time, when its files grow too large, and at the end.
 import os
 import shutil
 import signal
-import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -18,11 +16,8 @@ from typing import NoReturn
 
 from numpy_cae.confined.channel import Channel, MessageError, Reader, write_all
 from numpy_cae.confined.confinement import SECCOMP
-
-try:
-    import resource
-except ImportError:  # Windows
-    resource = None  # type: ignore[assignment]
+from numpy_cae.confined.program import Program
+from numpy_cae.confined.template import Template
 
 MOST_WRITTEN = 2**26
 """All files of a process together may have at most so many bytes."""
@@ -37,7 +32,6 @@ POLL_SECONDS = 0.02
 """So often it is looked whether a process has to be ended."""
 LOOKS_AT_FOLDER = 5
 """The files of the process are counted in one of so many looks."""
-PROGRAM = [sys.executable, "-B", "-P", "-m", "numpy_cae.confined.process"]
 PACKAGE = Path(__file__).parents[2]
 """The source of numpy_cae, with the solutions, which the process may not read."""
 
@@ -69,6 +63,8 @@ class StudentProcess:
         What `run_file` may provide or replace, by name.
     tested : sequence of callable
         The solutions of the functions that are tested, which the process does not keep.
+    template : Template or None
+        What starts it; without one, it is a program that begins.
 
     Raises
     ------
@@ -83,25 +79,18 @@ class StudentProcess:
         beside: Path,
         solutions: Mapping[str, Callable],
         tested: Sequence[Callable],
+        template: Template | None,
     ) -> None:
         self._seconds = seconds
         self._fault = ""
         self._folder = Path(tempfile.mkdtemp(dir=Path.cwd()))
-        self._began_cpu = _cpu_of_children()
-        self._process = subprocess.Popen(
-            PROGRAM,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            bufsize=0,
-            cwd=self._folder,
-            env=os.environ | {"TMPDIR": str(self._folder)},
-            start_new_session=True,
-        )
-        assert self._process.stdout is not None
-        reader = Reader(self._process.stdout.fileno(), self._raise_ending)
+        try:
+            self._process = template.start(self._folder) if template else Program(self._folder)
+        except OSError as error:
+            raise Ungraded(f"{NOT_STARTED}: {error}") from None
+        reader = Reader(self._process.answers, self._raise_ending)
         self._channel = Channel(reader.read, self._write, trusted=True)
-        self._begun = _Clock(self._process.pid)
+        self._begun = _Clock(self._process.process)
         self._has_ended = threading.Event()
         self._watcher = threading.Thread(target=self._watch, daemon=True)
         self._watcher.start()
@@ -119,7 +108,7 @@ class StudentProcess:
         except (ProcessEnded, MessageError) as error:
             self.end()
             raise Ungraded(f"{NOT_STARTED}: {error}") from None
-        self._begun = _Clock(self._process.pid)
+        self._begun = _Clock(self._process.process)
 
     def run_file(
         self,
@@ -142,27 +131,19 @@ class StudentProcess:
             self._raise_ending()
 
     def end(self) -> None:
-        """Kill it and its group, and remove its folder."""
+        """Kill it and all that it has started, and remove its folder."""
         self._has_ended.set()
-        self._kill()
-        self._process.wait()
-        for stream in (self._process.stdin, self._process.stdout):
-            if stream is not None:
-                with suppress(OSError):
-                    stream.close()
         self._watcher.join()
-        shutil.rmtree(self._folder, ignore_errors=True)
-
-    def _kill(self) -> None:
-        with suppress(OSError, AttributeError):  # it has ended; Windows
-            os.killpg(self._process.pid, signal.SIGKILL)
-        with suppress(OSError):
-            self._process.kill()
+        try:
+            self._process.end()
+        except OSError as error:
+            raise Ungraded(f"its process could not be ended: {error}") from None
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
 
     def _write(self, data: bytes | memoryview) -> None:
-        assert self._process.stdin is not None
         try:
-            write_all(self._process.stdin.fileno(), data)
+            write_all(self._process.calls, data)
         except BrokenPipeError:
             self._raise_ending()
 
@@ -170,14 +151,15 @@ class StudentProcess:
         """Say why it has ended: by a ProcessEnded, or Ungraded if that is not the file's fault."""
         if self._fault:
             raise ProcessEnded(self._fault)
-        with suppress(subprocess.TimeoutExpired):
-            self._process.wait(1.0)
+        try:
+            code, seconds_used = self._process.wait(1.0)
+        except OSError as error:
+            raise Ungraded(str(error)) from None
         self._has_ended.set()
-        code = self._process.returncode
         if hasattr(signal, "SIGXCPU") and code == -signal.SIGXCPU:
             raise ProcessEnded(OUT_OF_TIME)
         if hasattr(signal, "SIGKILL") and code == -signal.SIGKILL:
-            if _cpu_of_children() - self._began_cpu >= self._seconds:
+            if seconds_used >= self._seconds:
                 raise ProcessEnded(OUT_OF_TIME)
             if SECCOMP in self.mechanisms:  # so that it cannot kill itself
                 raise Ungraded(KILLED)
@@ -195,7 +177,7 @@ class StudentProcess:
                 fault = f"it wrote more than {MOST_WRITTEN // 2**20} MB of files"
             if fault:
                 self._fault = fault
-                self._kill()
+                self._process.kill()
                 return
 
 
@@ -233,14 +215,6 @@ def _schedule(path: str) -> tuple[float, float]:
     except (OSError, ValueError):  # not Linux, or it has ended
         return 0.0, 0.0
     return int(worked) / 1e9, int(waited) / 1e9
-
-
-def _cpu_of_children() -> float:
-    """The processor time of the processes that this one has started and that have ended."""
-    if resource is None:
-        return 0.0
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def _written(folder: Path) -> int:
