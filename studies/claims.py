@@ -9,8 +9,9 @@ the schedule of the paper, trained on takes of the source that is measured, and 
 `--recipe best`, some seeds of each; choices of training and depth with smaller networks; press-ups
 with a network that learned press-ups. Networks are kept in the folder of --cache; --network judges
 that of a file alone. Without --data the takes are synthetic. jang2018 is judged by the studies
-`sequences` and `sequence_choices`, with fewer minutes and steps. --quick has fewer of all: one
-network of `--recipe fast`, one seed.
+`sequences`, as it is by default, and `sequence_choices`; each paper takes most of an hour of
+processor time, and --papers names one. --quick has fewer of all: one network of `--recipe fast`,
+one seed.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -25,6 +26,7 @@ from numpy_cae.manifold import MotionManifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, recipe
 from studies import interpolation, sequence_choices, sequences
 from studies.jang2018.actions import ACTIONS, synthetic_action
+from studies.jang2018.training import CURVE_POINTS
 from studies.shared.judging import agreed
 from studies.shared.material import Material, read_material
 from studies.shared.messages import note
@@ -51,11 +53,16 @@ MINUTES = {False: 20.0, True: 4.0}
 """Minutes of the synthetic takes, every fifth of which is measured, and with --quick."""
 PRESS_UPS = ("press_ups", "walk", "confident_walk")
 """Kinds of the takes from which the network of press-ups learns."""
-SEQUENCES = {False: (15.0, 1000, 40), True: (1.0, 40, 8)}
-"""Minutes of each action of jang2018, steps of training and points of its curve, without --quick
-and with it."""
-CHOICES = {False: (8.0, 400), True: (0.5, 20)}
-"""Minutes and steps of the choices of jang2018."""
+SEQUENCE_MINUTES = {False: 30.0, True: 1.0}
+"""Minutes of each action of jang2018 to train on, and as many to test on, and with --quick."""
+QUICK_STEPS = 40
+"""Steps of training of jang2018 with --quick."""
+QUICK_POINTS = 8
+"""Points of the curve of a training of jang2018 with --quick."""
+QUICK_CHOICES = {"steps": 20, "minutes": 0.5}
+"""Of the choices of jang2018 with --quick."""
+HOLDEN2015 = "holden2015"
+JANG2018 = "jang2018"
 QUICK_EPOCHS = 20
 """Epochs of the network with --quick."""
 PAPER = "the paper's"
@@ -79,15 +86,18 @@ class JudgedClaim:
         also = first.fulfilled_by
         if not all(claim.fulfilled_by for claim in self.of_seeds):
             also = ""
-        return replace(first, fulfilled=fulfilled, fulfilled_by=also)
+        return replace(first, fulfilled=fulfilled, fulfilled_by=also, seeds=self.seeds())
+
+    def seeds(self) -> str:
+        """How many seeds there are, or the verdict of each where they differ."""
+        verdicts = [of_seed.verdict for of_seed in self.of_seeds]
+        return str(len(verdicts)) if len(set(verdicts)) == 1 else ", ".join(verdicts)
 
     def row(self) -> list[object]:
         """The row of the table; figures are those of the first seed."""
         claim = self.merged()
-        verdicts = [of_seed.verdict for of_seed in self.of_seeds]
-        seeds = str(len(verdicts)) if len(set(verdicts)) == 1 else ", ".join(verdicts)
         figures = [claim.statement, self.network, claim.figures, claim.opponent]
-        return [*figures, claim.verdict, seeds]
+        return [*figures, claim.verdict, claim.seeds]
 
     def named(self) -> Claim:
         """The claim, which says of which network it is."""
@@ -103,14 +113,41 @@ def run(
     network: Path | None = None,
     quick: bool = False,
     seeds: int = SEEDS,
+    papers: tuple[str, ...] = (HOLDEN2015, JANG2018),
 ) -> Result:
-    """Judge all statements.
+    """Judge all statements of the papers.
 
     A study that this source has no takes for is left out, which the note of the result says.
     """
+    for paper in papers:
+        if paper not in (HOLDEN2015, JANG2018):
+            raise ValueError(f"--papers is {paper}, expected {HOLDEN2015} or {JANG2018}")
     notes: list[str] = []
     trainer = trainer or Trainer()
     seeds = 1 if quick else seeds
+    judged: list[JudgedClaim] = []
+    if HOLDEN2015 in papers:
+        judged += judge_holden2015(material, seed, trainer, network, quick, seeds, notes)
+    if JANG2018 in papers:
+        judged += judge_sequences(seed, trainer, quick, seeds)
+    judged = in_order_of_statements(judged)
+    caption = "Statements of both papers and of this project's tests of them:"
+    table = Table(caption, HEADER, [judged_claim.row() for judged_claim in judged])
+    claims = [judged_claim.named() for judged_claim in judged]
+    tables = [count_verdicts(claims), table]
+    return Result("Statements of both papers", tables, claims, note="\n".join(notes))
+
+
+def judge_holden2015(
+    material: Material | None,
+    seed: int,
+    trainer: Trainer,
+    network: Path | None,
+    quick: bool,
+    seeds: int,
+    notes: list[str],
+) -> list[JudgedClaim]:
+    """The claims of holden2015."""
     with TemporaryDirectory() as folder:
         if material is None:
             material = make_material(Path(folder), MINUTES[quick], seed)
@@ -120,13 +157,7 @@ def run(
         judged += judge_small_networks(material, seed, trainer, quick, notes)
         if not has_press_ups(material):
             judged += judge_press_ups(Path(folder) / "press_ups", seed, trainer, quick)
-    judged += judge_sequences(quick, seed, seeds)
-    judged = in_order_of_statements(judged)
-    caption = "Statements of both papers and of this project's tests of them:"
-    table = Table(caption, HEADER, [judged_claim.row() for judged_claim in judged])
-    claims = [judged_claim.named() for judged_claim in judged]
-    tables = [count_verdicts(claims), table]
-    return Result("Statements of both papers", tables, claims, note="\n".join(notes))
+    return judged
 
 
 def count_verdicts(claims: Sequence[Claim]) -> Table:
@@ -262,16 +293,18 @@ def judge_press_ups(folder: Path, seed: int, trainer: Trainer, quick: bool) -> l
     return judged
 
 
-def judge_sequences(quick: bool, seed: int, seeds: int) -> list[JudgedClaim]:
-    """The claims of jang2018 on synthetic actions, with fewer minutes and steps."""
-    minutes, steps, points = SEQUENCES[quick]
-    schedule = replace(SEQUENCE_RECIPES["fast"], epochs=10, steps=steps // 10)
+def judge_sequences(seed: int, trainer: Trainer, quick: bool, seeds: int) -> list[JudgedClaim]:
+    """The claims of jang2018 on synthetic actions."""
+    schedule = SEQUENCE_RECIPES["fast"]
+    points = CURVE_POINTS
+    if quick:
+        schedule = replace(schedule, epochs=10, steps=QUICK_STEPS // 10)
+        points = QUICK_POINTS
     of_seeds = []
     for number in range(seed, seed + seeds):
-        actions = [synthetic_action(kind, minutes, number) for kind in ACTIONS]
-        result = sequences.run(actions, schedule, {}, number, points=points)
-        of_seeds.append(result.claims)
+        note(f"sequences, seed {number}")
+        actions = [synthetic_action(kind, SEQUENCE_MINUTES[quick], number) for kind in ACTIONS]
+        of_seeds.append(sequences.run(actions, schedule, {}, number, trainer, points).claims)
     judged = [JudgedClaim(BOTH, of_claim) for of_claim in zip(*of_seeds, strict=True)]
-    minutes, steps = CHOICES[quick]
-    choices = sequence_choices.run(seed, min(seeds, sequence_choices.SEEDS), steps, minutes)
+    choices = sequence_choices.run(seed, seeds, **(QUICK_CHOICES if quick else {}))
     return judged + [JudgedClaim(BOTH, [claim]) for claim in choices.claims]

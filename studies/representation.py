@@ -15,12 +15,14 @@ frequency noise".
 What the filters express (section 6, "Once training is complete …"): one unit of a layer is raised
 at one moment from its mean to its 99th percentile in test windows; the layers below decode the
 difference. A filter moves the joints and lasts the frames that have together nine tenths of the
-energy of this response. Untrained networks are measured beside it.
+energy of this response. A filter of a deeper layer combines the filters of the layer below that
+have together nine tenths of the energy of its weights, each weight times the deviation of its unit.
+Untrained networks are measured beside it, and the principal components of 15 frames, which are
+uncorrelated in the frames that they are fitted to.
 """
 
 from collections.abc import Callable
 from dataclasses import astuple, dataclass
-from itertools import pairwise
 from time import process_time
 from timeit import repeat
 from typing import NamedTuple
@@ -31,7 +33,8 @@ from numpy_cae import ops
 from numpy_cae.cleanup.feet import find_feet, mend_feet
 from numpy_cae.cleanup.view import View
 from numpy_cae.evaluation import jitter, position_error
-from numpy_cae.evaluation.tables import Clips
+from numpy_cae.evaluation.baselines import Gaussian, gather_context
+from numpy_cae.evaluation.tables import Clips, clips_of
 from numpy_cae.manifold import MotionManifold, hidden_units
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import JOINTS, POSITIONS, features_to_positions
@@ -70,6 +73,10 @@ ENERGY = 0.9
 """The share of a response's energy in its joints and its frames."""
 AXES = 200
 """Axes of the projection by PCA that is timed."""
+REPETITIONS = 20
+"""So often a projection is timed."""
+SEVERAL = 2
+"""A filter combines several filters of the layer below if it combines at least so many."""
 UNTRAINED = 3
 """Untrained networks beside which the filters are measured."""
 MAXIMUM = "the maximum of each pair"
@@ -79,6 +86,7 @@ TRUE_TAKES = "test takes"
 PROJECTED_TAKES = "projected"
 AVERAGED = "averaged over shifts"
 CONSTRAINED = "constant bones, mended feet"
+COMPONENTS = "principal components of 15 frames"
 SILENT = 1e-8
 """A filter whose response has less energy than this moves nothing, and is left out."""
 
@@ -93,7 +101,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         units(manifold, takes, testing, off, seed),
         constraints(manifold, evenly(takes, TAKES)),
         unpoolings(manifold, testing, seed),
-        filters(manifold, testing.pick_evenly(WINDOWS), seed),
+        filters(manifold, material, testing.pick_evenly(WINDOWS), seed),
     ]
     return combined("The representation and its limits", parts, sample)
 
@@ -176,11 +184,11 @@ def _claim_of_time(manifold: MotionManifold, x: np.ndarray) -> Claim:
 
 
 def _milliseconds(work: Callable[[], object], windows: int) -> Interval:
-    """Milliseconds of processor time for a window: the least of ten repetitions, and the range."""
-    seconds = repeat(work, timer=process_time, number=1, repeat=10)
-    return Interval(
-        *(1e3 * value / windows for value in (min(seconds), min(seconds), max(seconds)))
-    )
+    """Milliseconds of processor time for a window: the median of repetitions, and the quartiles.
+    The first repetition, which makes buffers, is left out."""
+    seconds = repeat(work, timer=process_time, number=1, repeat=REPETITIONS + 1)[1:]
+    low, middle, high = 1e3 / windows * np.percentile(seconds, (25, 50, 75))
+    return Interval(float(middle), float(low), float(high))
 
 
 def constraints(manifold: MotionManifold, takes: list[np.ndarray]) -> Result:
@@ -357,13 +365,14 @@ def _jitters(testing: Clips, x: np.ndarray) -> np.ndarray:
     return np.array([np.mean(of_take) for of_take in jitters.values()])
 
 
-def filters(manifold: MotionManifold, clips: Clips, seed: int) -> Result:
-    """Measure the filters of each layer, and those of untrained networks."""
+def filters(manifold: MotionManifold, material: Material, clips: Clips, seed: int) -> Result:
+    """Measure the filters of each layer, and those of untrained networks, in windows of test
+    takes."""
     trained = measure_filters(manifold, clips)
     initial = []
     for number in range(UNTRAINED):
         initial.append(measure_filters(untrained(manifold, seed + number), clips))
-    header = ["layer", "frames", "joints", "correlation"]
+    header = ["layer", "frames", "joints", "combined filters", "correlation"]
     rows: list[list[object]] = []
     for number, layer in enumerate(trained, start=1):
         rows.append([f"layer {number}", *layer.medians()])
@@ -372,7 +381,11 @@ def filters(manifold: MotionManifold, clips: Clips, seed: int) -> Result:
     table = Table("Medians over the filters; mean correlation of two units:", header, rows)
     claims = [
         _claim_of_correspondence(trained, initial[0]),
-        _claim_of_independence(trained, [network[0].correlation for network in initial]),
+        _claim_of_independence(
+            trained,
+            [network[0].correlation for network in initial],
+            _correlation_of_components(manifold, material, clips),
+        ),
         _claim_of_combination(trained, initial[0]),
         _claim_of_duration(trained, initial[0]),
     ]
@@ -381,16 +394,19 @@ def filters(manifold: MotionManifold, clips: Clips, seed: int) -> Result:
 
 @dataclass(frozen=True)
 class Filters:
-    """The filters of a layer: the frames that they last and the joints that they move, with the
-    quartiles, and the mean magnitude of the correlation of two units."""
+    """The filters of a layer: the frames that they last, the joints that they move and the filters
+    of the layer below that they combine, with the quartiles, and the mean magnitude of the
+    correlation of two units. Layer 1 has no layer below."""
 
     frames: Interval
     joints: Interval
+    combined: Interval | None
     correlation: float
 
-    def medians(self) -> list[float]:
+    def medians(self) -> list[float | None]:
         """The columns of the table."""
-        return [self.frames.value, self.joints.value, self.correlation]
+        combined = self.combined and self.combined.value
+        return [self.frames.value, self.joints.value, combined, self.correlation]
 
 
 def _claim_of_correspondence(trained: list[Filters], initial: list[Filters]) -> Claim:
@@ -411,23 +427,50 @@ def _moves_several(layer: Filters) -> bool:
     return layer.joints.value >= 2 and layer.frames.value >= 3
 
 
-def _claim_of_independence(trained: list[Filters], untrained_correlations: list[float]) -> Claim:
-    """Whether two units of layer 1 correlate less than those of every untrained network."""
+def _claim_of_independence(
+    trained: list[Filters], untrained_correlations: list[float], of_components: float
+) -> Claim:
+    """Whether two units of layer 1 correlate less than those of every untrained network, as
+    principal components do."""
     ours = trained[0].correlation
     least, most = min(untrained_correlations), max(untrained_correlations)
     below = Interval(ours, ours - (most - least), ours + (most - least)).at_most(least)
     listed = ", ".join(f"{value:.2f}" for value in untrained_correlations)
     figures = f"two units of layer 1 correlate {ours:.2f};"
-    return Claim("filters_independent", below, figures, opponent=f"untrained {listed}.")
+    return Claim(
+        "filters_independent",
+        below,
+        figures,
+        opponent=f"untrained {listed}; {COMPONENTS} {of_components:.2f}.",
+        fulfilled_by=COMPONENTS if of_components < least else "",
+    )
+
+
+def _correlation_of_components(manifold: MotionManifold, material: Material, clips: Clips) -> float:
+    """The mean correlation of two principal components of 15 frames, as many as layer 1 has
+    units, fitted to training takes and measured in the windows of clips."""
+    training = clips_of(manifold, [take.positions for take in material.training])
+    fitted = Gaussian(training.x, training.real)
+    _, axes = np.linalg.eigh(fitted.second - np.outer(fitted.mean, fitted.mean))
+    first = axes[:, -manifold.network.layers[0].b.size :]
+    rows = []
+    for x, real in zip(clips.x, clips.real, strict=True):
+        rows.append((gather_context(x) - fitted.mean)[real] @ first)
+    return correlation_of(np.concatenate(rows))
 
 
 def _claim_of_combination(trained: list[Filters], initial: list[Filters]) -> Claim:
-    """Whether each layer moves more joints for more frames than the one below."""
+    """Whether the filters of each deeper layer combine several filters of the layer below, and last
+    longer than these."""
     figures = []
     for layers in (trained, initial):
-        joints = ", ".join(f"{layer.joints.value:.0f}" for layer in layers)
+        combined = ", ".join(f"{layer.combined.value:.0f}" for layer in layers if layer.combined)
         frames = ", ".join(f"{layer.frames.value:.0f}" for layer in layers)
-        figures.append(f"joints by layer {joints}, frames {frames}")
+        joints = ", ".join(f"{layer.joints.value:.0f}" for layer in layers)
+        figures.append(
+            f"filters of deeper layers combine {combined} of the layer below; frames by layer "
+            f"{frames}, joints {joints}"
+        )
     return Claim(
         "filters_combine",
         _combine(trained),
@@ -438,9 +481,13 @@ def _claim_of_combination(trained: list[Filters], initial: list[Filters]) -> Cla
 
 
 def _combine(layers: list[Filters]) -> bool:
-    for below, above in pairwise(layers):
-        if above.joints.value <= below.joints.value or above.frames.value <= below.frames.value:
+    frames = 0.0
+    for layer in layers:
+        if layer.frames.value <= frames:
             return False
+        if layer.combined is not None and layer.combined.value < SEVERAL:
+            return False
+        frames = layer.frames.value
     return True
 
 
@@ -469,7 +516,12 @@ def measure_filters(manifold: MotionManifold, clips: Clips) -> list[Filters]:
         energy = energy[energy.sum(axis=(1, 2)) > SILENT]
         frames = _count(energy.sum(axis=2))
         joints = _count(energy.sum(axis=1))
-        measured.append(Filters(frames, joints, correlation_of(units)))
+        combined = None
+        if n > 1:
+            below = manifold.network.encode(clips.x, layers=n - 1)[clips.real[:, :: 2 ** (n - 1)]]
+            weights = manifold.network.layers[n - 1].w * below.std(axis=0)[:, None]
+            combined = _count(np.square(weights, dtype=np.float64).sum(axis=0).T)
+        measured.append(Filters(frames, joints, combined, correlation_of(units)))
     return measured
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy_cae.manifold import MotionManifold, NeighbourPrior, sample
 from numpy_cae.manifold.sampling import encode_windows
 from numpy_cae.viz import CORRUPTED, PROJECTED
-from studies.shared.judging import all_of, ratio_of_samples
+from studies.shared.judging import Interval, all_of, ratio_of_samples
 from studies.shared.material import Material, evenly, features_of
 from studies.shared.result import Claim, Result, moving
 from studies.shared.validity import Validity, ValidityMeasure, validity_table
@@ -92,22 +92,33 @@ class NormalUnits(NeighbourPrior):
 
 def _claim(key: str, source: str, measured: dict[str, list[Validity]]) -> Claim:
     """Whether motions of a prior are as valid as projected takes, beside a replayed window."""
-    real = measured[PROJECTED_REAL]
-    sampled = Validity.mean(measured[source])
-    replayed = Validity.mean(measured[REPLAYED])
+    listed = {}
+    also = []
+    for name in (source, NORMAL, REPLAYED):
+        ratios = _ratios(measured[name], measured[PROJECTED_REAL])
+        listed[name] = ", ".join(f"{measure} {ratio:.2f}" for measure, ratio in ratios.items())
+        if name != source and _is_valid(ratios):
+            also.append(name)
     return Claim(
         key,
-        _is_valid(measured[source], real),
-        f"{sampled.against(Validity.mean(real))} of the projected test takes;",
-        opponent=f"{REPLAYED}: {replayed.listed()}.",
-        fulfilled_by=REPLAYED if _is_valid(measured[REPLAYED], real) else "",
+        _is_valid(_ratios(measured[source], measured[PROJECTED_REAL])),
+        f"times those of projected test takes: {listed[source]};",
+        opponent=f"{REPLAYED}: {listed[REPLAYED]}; {NORMAL}: {listed[NORMAL]}.",
+        fulfilled_by=" and ".join(also),
     )
 
 
-def _is_valid(sampled: list[Validity], real: list[Validity]) -> bool | None:
-    """Whether bones, sliding and distance to the nearest pose are small, and the jitter real."""
+def _ratios(sampled: list[Validity], real: list[Validity]) -> dict[str, Interval]:
+    """Name of each measure to its mean over the samples, divided by that over real motions."""
     of_samples = np.array([astuple(validity) for validity in sampled])
     of_takes = np.array([astuple(validity) for validity in real])
-    bones, sliding, jitter, nearest = map(ratio_of_samples, of_samples.T, of_takes.T)
-    parts = [ratio.at_most(SLACK) for ratio in (bones, sliding, jitter, nearest)]
-    return all_of(*parts, jitter.above(1 / SLACK))
+    ratios = {}
+    for heading, ours, theirs in zip(Validity.HEADER, of_samples.T, of_takes.T, strict=True):
+        ratios[heading.split(",")[0]] = ratio_of_samples(ours, theirs)
+    return ratios
+
+
+def _is_valid(ratios: dict[str, Interval]) -> bool | None:
+    """Whether bones, sliding and distance to the nearest pose are small, and the jitter real."""
+    parts = [ratio.at_most(SLACK) for ratio in ratios.values()]
+    return all_of(*parts, ratios["jitter"].above(1 / SLACK))

@@ -10,7 +10,8 @@ seconds of the processor, on windows of random numbers, whose values do not matt
 time of the whole training is that of so many steps. PCA is timed on a tenth of the windows, and
 grows at most with the cube of their number.
 
-Error: networks of half of the filters learn from a quarter, half and all of the training takes.
+Error: networks of half of the filters learn from a quarter, half and all of the training takes, as
+does a linear map of 15 frames.
 """
 
 import time
@@ -19,13 +20,15 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.evaluation import PCA
+from numpy_cae.evaluation.baselines import Gaussian
+from numpy_cae.evaluation.tables import LINEAR
 from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import TrainingState, recipe, train_autoencoder
 from studies.shared.judging import all_of, seeds_below
 from studies.shared.material import Material
 from studies.shared.result import Claim, Result, Table
-from studies.shared.small_networks import EPOCHS, SEEDS, SmallNetworks, mean_and_range
+from studies.shared.small_networks import EPOCHS, SEEDS, P, SmallNetworks, mean_and_range
 from studies.shared.trained import Trainer
 from studies.training_choices import shortened
 
@@ -52,24 +55,34 @@ def run(
     """Time the training, and train on parts of the takes."""
     networks = SmallNetworks.of(material, trainer, seed, seeds)
     times, in_time = _time_training()
-    slope = _measure_slope()
+    slope = _slope_of(time_steps)
+    slope_of_map = _slope_of(fit_linear_map)
     errors = {}
+    errors_of_map = {}
     for part in PARTS:
         few = SmallNetworks(
             networks.takes[::part], networks.testing, networks.trainer, networks.seeds
         )
         manifolds = few.learn(shortened(recipe("paper"), epochs))
         errors[len(few.takes)] = [of_seed.repair for of_seed in few.errors(manifolds)]
-    rows = [[f"{takes} takes", mean_and_range(of_seeds)] for takes, of_seeds in errors.items()]
-    table = Table("Error by the number of takes:", ["learned from", "half removed, cm"], rows)
+        errors_of_map[len(few.takes)] = few.error_of_linear_map()
+    rows = []
+    for takes, of_seeds in errors.items():
+        rows.append([f"{takes} takes", mean_and_range(of_seeds), errors_of_map[takes]])
+    header = ["learned from", "half removed, cm", LINEAR]
+    table = Table("Error by the number of takes:", header, rows, ("", "", ".3f"))
     few_takes, *_, all_takes = errors.values()
+    map_of_few, *_, map_of_all = errors_of_map.values()
     is_better = seeds_below(all_takes, few_takes)
+    map_scales = slope_of_map <= MOST_SLOPE and map_of_all < map_of_few
     scales = Claim(
         "scales",
         all_of(slope <= MOST_SLOPE, is_better),
         f"the time of an epoch grows with the power {slope:.2f} of the windows; half removed, "
         f"{mean_and_range(few_takes)} cm with a quarter of the takes, {mean_and_range(all_takes)} "
-        "with all.",
+        "with all;",
+        opponent=f"{LINEAR}: power {slope_of_map:.2f}, {map_of_few:.3f} and {map_of_all:.3f} cm.",
+        fulfilled_by=LINEAR if map_scales else "",
     )
     return Result("Scaling with the data", [times, table], [in_time, scales])
 
@@ -127,11 +140,17 @@ def time_steps(windows: int) -> dict[str, list[float]]:
     return seconds
 
 
-def _measure_slope() -> float:
-    """The slope of the logarithm of an epoch's time over that of the number of windows."""
+def fit_linear_map(windows: int) -> np.ndarray:
+    """The linear map of 15 frames, fitted to so many windows."""
+    x = _random_windows(windows)
+    return Gaussian(x, np.ones(x.shape[:2], bool)).linear_map(P)
+
+
+def _slope_of(learn: Callable[[int], object]) -> float:
+    """The slope of the logarithm of the time of learning over that of the number of windows."""
     seconds = []
     for windows in SIZES:
-        seconds.append(_seconds(lambda windows=windows: time_steps(windows)))
+        seconds.append(_seconds(lambda windows=windows: learn(windows)))
     return float(np.polyfit(np.log(SIZES), np.log(seconds), 1)[0])
 
 

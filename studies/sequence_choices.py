@@ -33,7 +33,7 @@ MINUTES = 8.0
 """Of each action to train on, and as many to test on."""
 HIDDEN = 64
 STEPS = 400
-SEEDS = 2
+SEEDS = 3
 AS_PAPER = "as the paper"
 SAME_ORDER = "target in the order of the source"
 NO_INPUT = "no input of the decoder"

@@ -45,6 +45,8 @@ NETWORK = "the network"
 TRUE = "truth"
 FREE = (AVERAGE, TWICE)
 """The opponents that are given as much as the network: nothing."""
+SMOOTH = 1.5
+"""Transitions are smooth if their jitter is at most this many times that of the true motion."""
 FOUND = 1.25
 """Poses are found in the training data if they are at most this many times as far from the nearest
 training pose as those of the true motion."""
@@ -150,7 +152,7 @@ def _claims(measured: dict[str, Measured]) -> list[Claim]:
     for method, columns in measured.items():
         jitters[method] = ratio_of_means(columns.jitter, truth.jitter)
         nearest[method] = ratio_of_means(columns.nearest, truth.nearest)
-        is_smooth[method] = all_of(jitters[method].below(1.5), jitters[method].above(0.5))
+        is_smooth[method] = jitters[method].at_most(SMOOTH)
         error = ratio_of_means(columns.error, held.error)
         delayed = ratio_of_means(columns.delayed, held.delayed)
         is_motion[method] = all_of(error.below(1), delayed.below(1))

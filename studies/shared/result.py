@@ -60,6 +60,8 @@ class Claim:
         The same figures of the strongest simple opponent, in a sentence.
     fulfilled_by : str
         The opponent that fulfils the rule too, where there is one.
+    seeds : str
+        The number of seeds, or the verdict of each where they differ.
     """
 
     key: str
@@ -68,6 +70,7 @@ class Claim:
     of: str = ""
     opponent: str = ""
     fulfilled_by: str = ""
+    seeds: str = ""
 
     @property
     def verdict(self) -> str:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from numpy_cae.evaluation.baselines import Gaussian, apply_linear_map, fit_gaussian
 from numpy_cae.evaluation.tables import Clips, apply_to_real_frames, clips_of
 from numpy_cae.fast import FastConvAutoencoder
 from numpy_cae.manifold import MotionManifold, learn_manifold
@@ -110,6 +111,27 @@ class SmallNetworks:
         complete = manifold.complete_windows
         completed = apply_to_real_frames(complete, test.real, damaged, known)
         return Errors(*map(test.error, (reconstructed, repaired, completed)))
+
+    def error_of_linear_map(self) -> float:
+        """The error of the linear map of 15 frames, fitted to the same takes, cm."""
+        test, damaged = self._damaged()
+        fitted = clips_of(test.manifold, self.takes)
+        linear = Gaussian(fitted.x, fitted.real).linear_map(P)
+        return test.error(apply_linear_map(damaged, linear))
+
+    def error_of_gaussian(self) -> float:
+        """The error of the Gaussian of 15 frames that is given the mask, fitted to the same takes,
+        cm."""
+        test, damaged = self._damaged()
+        fitted = clips_of(test.manifold, self.takes)
+        gaussian = fit_gaussian(fitted.x, fitted.real, fitted.take)
+        known = damaged != 0
+        return test.error(apply_to_real_frames(gaussian.complete, test.real, damaged, known))
+
+    def _damaged(self) -> tuple[Clips, np.ndarray]:
+        """The test windows, and half of their values removed, as for the networks."""
+        test = self.clips(self.learn(UNTRAINED)[0])
+        return test, zero_values(test.x, P, np.random.default_rng(0))
 
 
 class EvenlyUnpooled(FastConvAutoencoder):
