@@ -75,13 +75,16 @@ def group_findings(findings: Iterable[Finding]) -> list[Event]:
     """
     groups: list[list[Finding]] = []
     latest: dict[str, list[Finding]] = {}
+    ends: dict[str, int] = {}  # the last frame of the latest group of a limb
     for finding in sorted(findings, key=lambda finding: finding.frames):
         limb = LIMB_OF_JOINT.get(finding.joint, "")
-        group = latest.get(limb, [])
-        if limb and _overlaps(group, finding):
-            group.append(finding)
+        first, last = finding.frames
+        if limb and first <= ends.get(limb, -1):
+            latest[limb].append(finding)
+            ends[limb] = max(ends[limb], last)
         else:
             latest[limb] = [finding]
+            ends[limb] = last
             groups.append(latest[limb])
     events = [_make_event(group) for group in groups]
     return sorted(events, key=lambda event: _size(event.largest))
@@ -103,11 +106,6 @@ def rows_of_events(events: Iterable[Event]) -> list[dict]:
         for finding in event.findings:
             rows.append(finding.to_json() | {"event": number, "place": event.place})
     return rows
-
-
-def _overlaps(group: Sequence[Finding], finding: Finding) -> bool:
-    """Whether a finding begins before the last of a group has ended."""
-    return any(finding.frames[0] <= earlier.frames[1] for earlier in group)
 
 
 def _make_event(group: Sequence[Finding]) -> Event:
