@@ -1,6 +1,6 @@
 // Weights of the search: guides first, then functions and commands, lessons and the lab book last.
 const WEIGHTS = [
-  [/^(install|repair|from_your_program|verify|course|own_operation|layers_of_other_forms)$/, 3],
+  [/^(install|repair|edit|from_your_program|verify|course|own_operation|layers_of_other_forms)$/, 3],
   [/^reference\/numpy_cae\.fast\./, 0.5],
   [/^reference\/numpy_cae\./, 2],
   [/^reference\/commands$/, 1.5],
