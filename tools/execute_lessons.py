@@ -26,7 +26,7 @@ from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.course.copies import choose_lessons, write_notebook
 from numpy_cae.course.mine_file import EMPTY, FILE, with_definitions
 from numpy_cae.course.notebooks import find_lessons, find_milestones, read_notebook
-from numpy_cae.verify.grading.submission import is_exercise
+from numpy_cae.course.submitted_file import is_exercise
 
 ROOT = Path(__file__).parents[1]
 LESSONS = ROOT / "lessons"

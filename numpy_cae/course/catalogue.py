@@ -6,10 +6,13 @@ Check cells, the tests and grading all use it.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from numpy_cae.course.exercises.exercise import ENTRIES, MAKES, exercises_of
 from numpy_cae.course.likely_mistakes import diagnose_exercise
 from numpy_cae.course.points import share_points
+from numpy_cae.course.submitted_file import read_for_lesson
+from numpy_cae.verify.grading.submission import Submission
 from numpy_cae.verify.operations import operation_catalogue
 from numpy_cae.verify.operations.operation_catalogue import Exercise
 
@@ -45,3 +48,8 @@ ASSIGNMENTS = {
     number: tuple(exercise.name for exercise in exercises) for number, exercises in LESSONS.items()
 }
 """The names of the exercises of each lesson, by the number of the lesson."""
+
+
+def read_submission(path: Path) -> Submission:
+    """Read what a student has handed in for one of the lessons."""
+    return read_for_lesson(path, ASSIGNMENTS)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy_cae.confined.process import DO_THE_EXERCISE
 from numpy_cae.course.catalogue import CATALOGUE, LESSONS
 from numpy_cae.course.mine_file import definitions_of, global_names
+from numpy_cae.course.submitted_file import MAGIC
 from numpy_cae.verify.checks.messages import file_of
-from numpy_cae.verify.grading.submission import MAGIC
 
 NOTEBOOK = "__main__"
 """The module of what the cells of a notebook define."""

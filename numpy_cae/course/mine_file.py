@@ -19,9 +19,9 @@ from types import CodeType, ModuleType
 from numpy_cae.atomic_write import atomic_write
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES
 from numpy_cae.course.stand_in import is_stand_in, stand_in
+from numpy_cae.course.submitted_file import MAGIC
 from numpy_cae.errors import NumpyCaeError
 from numpy_cae.verify.checks.messages import error_text, file_of
-from numpy_cae.verify.grading.submission import MAGIC
 from numpy_cae.verify.operations.counterexample import failure
 
 FILE = "mine.py"

@@ -17,8 +17,8 @@ from numpy_cae.course import catalogue
 from numpy_cae.course.catalogue import CATALOGUE, EXERCISES, LESSONS
 from numpy_cae.course.mine_file import run_mine
 from numpy_cae.course.notebooks import find_lessons, number_of, read_notebook, student_copy
+from numpy_cae.course.submitted_file import is_exercise
 from numpy_cae.verify.grading.student_file import grade
-from numpy_cae.verify.grading.submission import is_exercise
 from numpy_cae.verify.operations.counterexample import failure
 from tools.execute_lessons import mine_before
 from tools.right_answers import RIGHT_ANSWERS, answer

@@ -36,9 +36,9 @@ from numpy_cae.course.notebooks import (
     read_notebook,
     student_copy,
 )
+from numpy_cae.course.submitted_file import is_exercise
 from numpy_cae.motion import PARENTS
 from numpy_cae.verify.grading.student_file import grade
-from numpy_cae.verify.grading.submission import is_exercise
 from tools.exam import exam
 from tools.execute_lessons import execute, mine_before, shorten, source_hash
 from tools.gallery import FIRST_PICTURE, MADE_OF, picture_of, picture_path

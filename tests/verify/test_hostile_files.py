@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from numpy_cae.confined.confinement import has_filter
+from numpy_cae.course.catalogue import read_submission
 from numpy_cae.course.solutions.building_blocks import unfold
 from numpy_cae.verify.grading import student_file as grading
-from numpy_cae.verify.grading.submission import read_submission
 
 TEXT = (Path(__file__).parents[1] / "files" / "hostile_pieces.txt").read_text("utf-8")
 PIECES = dict(re.findall(r"^== (\w+)\n(.*?)(?=^== |\Z)", TEXT, re.DOTALL | re.MULTILINE))

@@ -16,7 +16,8 @@ from pathlib import Path, PurePosixPath
 
 from numpy_cae.course.catalogue import ASSIGNMENTS
 from numpy_cae.course.copies import lesson_names
-from numpy_cae.verify.grading.submission import COPY, SUFFIXES, lesson_of_name
+from numpy_cae.course.submitted_file import COPY, lesson_of_name
+from numpy_cae.verify.grading.submission import SUFFIXES
 
 ZIP = ".zip"
 DOCUMENTS = {".html", ".htm", ".pdf", ".docx", ".odt", ".rar", ".7z", ".tar", ".gz", ".tgz"}

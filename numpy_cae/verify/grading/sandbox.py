@@ -28,7 +28,6 @@ from numpy_cae.verify.grading.student_process import (
     StudentProcess,
     Ungraded,
 )
-from numpy_cae.verify.grading.submission import Submission, read_submission
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation_catalogue import Exercise
 from numpy_cae.verify.operations.property import Outcome
@@ -72,7 +71,6 @@ def reply_to(request: dict[str, Any], template: Template | None = None) -> dict[
 
 def _grade(request: dict[str, Any], template: Template | None) -> dict[str, Any]:
     """The reply if the grader itself does not fail."""
-    submission = read_submission(Path(request["path"]))
     catalogue: Mapping[str, Exercise] = import_module(request["catalogue"]).CATALOGUE
     reply: dict[str, Any] = {"defined": (), "problems": [], "failed": ""}
     results: dict[str, dict[str, Any]] = {}
@@ -81,7 +79,7 @@ def _grade(request: dict[str, Any], template: Template | None) -> dict[str, Any]
     first = _started(request, catalogue, replaced, rest, template)
     with first as process:  # it also tests the first function
         try:
-            functions, problems = _run(process, submission, request, replaced)
+            functions, problems = _run(process, request, replaced)
         except ProcessEnded as ended:
             return reply | {"failed": str(ended)}
         reply["problems"] = problems
@@ -92,9 +90,7 @@ def _grade(request: dict[str, Any], template: Template | None) -> dict[str, Any]
     for name in rest:
         if name in reply["defined"] and name not in results:
             with _started(request, catalogue, replaced, [name], template) as process:
-                results[name] = _run_and_try(
-                    process, submission, request, replaced, catalogue[name]
-                )
+                results[name] = _run_and_try(process, request, replaced, catalogue[name])
         if name in request["replaced"] and not _is_right(results.get(name)):
             replaced.append(name)
     return {**reply, "results": results}
@@ -125,15 +121,14 @@ def _started(
 
 
 def _run(
-    process: StudentProcess,
-    submission: Submission,
-    request: Mapping[str, Any],
-    replaced: Sequence[str],
+    process: StudentProcess, request: Mapping[str, Any], replaced: Sequence[str]
 ) -> tuple[dict[str, Callable], list[str]]:
     """Run the file; returns the functions that it defines, and what went wrong."""
-    file = str(submission.path)
-    cells = submission.cells
-    is_notebook = submission.is_notebook
+    file = request["path"]
+    is_notebook = request["is_notebook"]
+    cells = request["cells"]
+    if not is_notebook:
+        cells = [(file, source.encode("latin-1")) for _, source in cells]
     try:
         functions, raised = process.run_file(
             file, cells, is_notebook, request["provided"], replaced
@@ -154,14 +149,13 @@ def _run(
 
 def _run_and_try(
     process: StudentProcess,
-    submission: Submission,
     request: Mapping[str, Any],
     replaced: Sequence[str],
     exercise: Exercise,
 ) -> dict[str, Any]:
     """The outcomes of the properties of one of the file's functions."""
     try:
-        functions, _ = _run(process, submission, request, replaced)
+        functions, _ = _run(process, request, replaced)
     except ProcessEnded as ended:
         return {"failed": str(ended)}
     function = functions.get(exercise.name)

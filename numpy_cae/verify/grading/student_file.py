@@ -50,7 +50,6 @@ ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in LIBRARIES}
 CHILD = [sys.executable, "-B", "-P", "-m", "numpy_cae.confined", "numpy_cae.verify.grading.sandbox"]
 BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
 HELPER = "{} is called by other functions and is no operation itself: it was not tested"
-COPIED = "the cell of {} is there more than once: the last one counts"
 MISSING = (
     "no function has an operation's name (exercises of a lesson need --lesson NN): "
     f"{', '.join(CATALOGUE)}"
@@ -112,22 +111,22 @@ def grade(
 ) -> FileReport:
     """Run a student's file in processes of its own and test its functions.
 
-    Tested are the functions of a Python file that have the name of an operation, or the exercise
-    cells of a notebook.
+    Tested are the functions of a Python file that have the name of an operation, or what the
+    catalogue's `read_submission` finds in a notebook.
 
     Parameters
     ----------
     path : Path
     catalogue : module
-        With the `CATALOGUE` of what may be tested, and perhaps `ASSIGNMENTS`, the names of the
-        exercises in each lesson. The processes import the module by its name.
+        With the `CATALOGUE` of what may be tested; perhaps `ASSIGNMENTS`, the names of the
+        exercises in each lesson, and `read_submission`, which reads more than Python files. The
+        processes import the module by its name.
     seconds : float
         Limit of the processor time of one function.
     megabytes : int
         Limit of the memory of one process (on Linux).
     lesson : str
-        The lesson whose exercises all count; by default that of the cells or of the file's name,
-        such as 03_mine.py.
+        The lesson whose exercises all count; by default that to which the file belongs.
 
     Returns
     -------
@@ -142,8 +141,8 @@ def grade(
     lessons = getattr(catalogue, "ASSIGNMENTS", {})
     if lesson and lesson not in lessons:
         raise ValueError(f"there is no lesson {lesson!r}; there are {', '.join(lessons)}")
-    submission = read_submission(path)
-    assigned = lessons.get(lesson or submission.lesson(lessons), ())
+    submission: Submission = getattr(catalogue, "read_submission", read_submission)(path)
+    assigned = lessons.get(lesson or submission.lesson, ())
     if assigned:
         names = list(assigned)
     elif submission.is_notebook:
@@ -158,6 +157,8 @@ def grade(
         catalogue = operation_catalogue  # quicker to import
     request = {
         "path": str(path.resolve()),
+        "cells": _cells_of_request(submission),
+        "is_notebook": submission.is_notebook,
         "catalogue": catalogue.__name__,
         "requested": names,
         "provided": provided,
@@ -166,6 +167,17 @@ def grade(
         "megabytes": megabytes,
     }
     return _report_on(submission, requested, assigned, run(request))
+
+
+def _cells_of_request(submission: Submission) -> list[tuple[str, str]]:
+    """The cells as JSON can hold them: the bytes of a Python file as characters, no name."""
+    cells = []
+    for name, source in submission.cells:
+        if isinstance(source, bytes):
+            cells.append(("", source.decode("latin-1")))
+        else:
+            cells.append((name, source))
+    return cells
 
 
 def _names_provided(
@@ -194,7 +206,7 @@ def _report_on(
         fault = problems[0]
     reports = _reports_on(submission, requested, assigned, reply.get("results", {}), fault)
     file = FileReport(submission.path, copied=submission.copied)
-    file.notes += [COPIED.format(name) for name in submission.copied]
+    file.notes += submission.notes
     helpers = [r for r in reports if r.operation not in assigned and _is_helper(r, submission)]
     if len(helpers) < len(reports):
         file.notes += [HELPER.format(report.called) for report in helpers]
