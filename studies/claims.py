@@ -28,7 +28,7 @@ from studies import interpolation, sequence_choices, sequences
 from studies.jang2018.actions import ACTIONS, synthetic_action
 from studies.jang2018.training import CURVE_POINTS
 from studies.shared.judging import agreed
-from studies.shared.material import Material, read_material
+from studies.shared.material import Material, evenly, read_material
 from studies.shared.messages import note
 from studies.shared.result import STATEMENTS, VERDICTS, Claim, Result, Table
 from studies.shared.trained import Trainer
@@ -55,16 +55,20 @@ PRESS_UPS = ("press_ups", "walk", "confident_walk")
 """Kinds of the takes from which the network of press-ups learns."""
 SEQUENCE_MINUTES = {False: 30.0, True: 1.0}
 """Minutes of each action of jang2018 to train on, and as many to test on, and with --quick."""
+QUICK_ACTIONS = ("walking", "waiting")
+"""Actions of jang2018 with --quick: one that repeats itself and one that does not."""
 QUICK_STEPS = 40
 """Steps of training of jang2018 with --quick."""
 QUICK_POINTS = 8
 """Points of the curve of a training of jang2018 with --quick."""
-QUICK_CHOICES = {"steps": 20, "minutes": 0.5}
-"""Of the choices of jang2018 with --quick."""
+QUICK_CHOICES: dict[str, Any] = {"steps": 20, "minutes": 0.5, "names": QUICK_ACTIONS}
+"""Steps, minutes and actions of the choices of jang2018 with --quick."""
 HOLDEN2015 = "holden2015"
 JANG2018 = "jang2018"
 QUICK_EPOCHS = 20
 """Epochs of the network with --quick."""
+QUICK_TAKES = 2
+"""So many test takes are measured with --quick where many small networks are compared."""
 PAPER = "the paper's"
 BEST = "best"
 QUICK = "fast, few epochs"
@@ -268,7 +272,8 @@ def judge_small_networks(
         note(study)
         arguments: dict[str, Any] = {"material": material, "seed": seed, "trainer": trainer}
         if quick:
-            arguments |= {"epochs": 1, "seeds": 1}
+            few = Material(material.training, evenly(material.testing, QUICK_TAKES))
+            arguments |= {"material": few, "epochs": 1, "seeds": 1}
         claims = run_if_possible(import_module(f"studies.{study}").run, study, notes, **arguments)
         judged += [JudgedClaim(BOTH, [claim]) for claim in claims]
     return judged
@@ -297,13 +302,14 @@ def judge_sequences(seed: int, trainer: Trainer, quick: bool, seeds: int) -> lis
     """The claims of jang2018 on synthetic actions."""
     schedule = SEQUENCE_RECIPES["fast"]
     points = CURVE_POINTS
+    names = QUICK_ACTIONS if quick else ACTIONS
     if quick:
         schedule = replace(schedule, epochs=10, steps=QUICK_STEPS // 10)
         points = QUICK_POINTS
     of_seeds = []
     for number in range(seed, seed + seeds):
         note(f"sequences, seed {number}")
-        actions = [synthetic_action(kind, SEQUENCE_MINUTES[quick], number) for kind in ACTIONS]
+        actions = [synthetic_action(kind, SEQUENCE_MINUTES[quick], number) for kind in names]
         of_seeds.append(sequences.run(actions, schedule, {}, number, trainer, points).claims)
     judged = [JudgedClaim(BOTH, of_claim) for of_claim in zip(*of_seeds, strict=True)]
     choices = sequence_choices.run(seed, seeds, **(QUICK_CHOICES if quick else {}))

@@ -55,22 +55,35 @@ def run(
         for layers in range(1, len(FILTERS) + 1):
             manifolds = networks.learn(schedule, filters=FILTERS[:layers])
             errors[_named(name, layers)] = networks.errors(manifolds)
-    errors[ONE_FRAME] = networks.errors(networks.learn(schedules[ADAM], taps=1))
+    of_one_frame = networks.learn(schedules[ADAM], taps=1)
+    errors[ONE_FRAME] = networks.errors(of_one_frame)
+    completions = {
+        DEEP: networks.completion_errors(networks.learn(schedules[ADAM])),
+        ONE_FRAME: networks.completion_errors(of_one_frame),
+    }
     rows: list[list[object]] = []
     for name, of_seeds in errors.items():
-        rows.append([name, *(mean_and_range(column) for column in zip(*of_seeds, strict=True))])
+        columns = [mean_and_range(column) for column in zip(*of_seeds, strict=True)]
+        completed = mean_and_range(completions[name]) if name in completions else None
+        rows.append([name, *columns, completed])
     linear = networks.error_of_linear_map()
     gaussian = networks.error_of_gaussian()
     rows.append([LINEAR, None, f"{linear:.3f}", None])
     rows.append([GAUSSIAN, None, None, f"{gaussian:.3f}"])
     caption = f"{epochs} epochs of each stage, mean of {seeds} seeds ± half of the range:"
-    table = Table(caption, ["stack", *Errors.HEADER], rows)
-    claims = [_claim_of_depth(errors, linear), _claim_of_time(errors, linear, gaussian)]
+    table = Table(caption, ["stack", *Errors.HEADER, "half removed, mask given, cm"], rows)
+    claims = [
+        _claim_of_depth(errors, linear),
+        _claim_of_time(errors, completions, linear, gaussian),
+    ]
     return Result("Depth of the stack, and filters over time", [table], claims)
 
 
 def _named(schedule: str, layers: int) -> str:
     return f"{schedule}, {layers} of {len(FILTERS)} layers"
+
+
+DEEP = _named(ADAM, len(FILTERS))
 
 
 def _claim_of_depth(errors: dict[str, list[Errors]], linear: float) -> Claim:
@@ -93,13 +106,17 @@ def _claim_of_depth(errors: dict[str, list[Errors]], linear: float) -> Claim:
     )
 
 
-def _claim_of_time(errors: dict[str, list[Errors]], linear: float, gaussian: float) -> Claim:
+def _claim_of_time(
+    errors: dict[str, list[Errors]],
+    completions: dict[str, list[float]],
+    linear: float,
+    gaussian: float,
+) -> Claim:
     """Whether filters of 15 frames have a lower error than filters of one frame, as the simplest
     methods that look at 15 frames may have too."""
-    long = errors[_named(ADAM, len(FILTERS))]
-    short = errors[ONE_FRAME]
-    repair = [of_seed.repair for of_seed in long], [of_seed.repair for of_seed in short]
-    completion = [of_seed.completion for of_seed in long], [of_seed.completion for of_seed in short]
+    names = (DEEP, ONE_FRAME)
+    repair = [[of_seed.repair for of_seed in errors[name]] for name in names]
+    completion = [completions[name] for name in names]
     is_as_good = linear < min(repair[1]) and gaussian < min(completion[1])
     return Claim(
         "temporal_filters",

@@ -9,7 +9,12 @@ and writes them into docs/results.md and the lab book, between lines such as
     <!-- table damage 0 -->
     <!-- end of table -->
 
-or, with its rows as columns, <!-- table damage 0 transposed -->.
+or, with its rows as columns, <!-- table damage 0 transposed -->. The statements of both papers,
+with the claims that are kept of the studies `claims`, `sequences` and `sequence_choices`, are
+written between
+
+    <!-- statements -->
+    <!-- end of statements -->
 
 Without a report the charts and tables are made again from what is kept.
 """
@@ -33,7 +38,7 @@ from studies.shared.charts import (
     draw_ratios_by_length,
     draw_speed,
 )
-from studies.shared.result import Table
+from studies.shared.result import STATEMENTS, Claim, Table, measured
 
 DOCS = Path(__file__).parents[1] / "docs"
 TABLE = re.compile(
@@ -41,6 +46,10 @@ TABLE = re.compile(
 )
 """Where a document has a table: the study, the number of the table among its tables, from 0, and
 whether its rows are columns."""
+STATEMENTS_PLACE = re.compile(r"(<!-- statements -->\n).*?(<!-- end of statements -->)", re.DOTALL)
+"""Where a document has the statements of both papers."""
+JUDGES = ("claims", "sequences", "sequence_choices")
+"""Studies whose claims are listed: a statement has those of the first one that judges it."""
 DPI = 150
 
 
@@ -67,6 +76,8 @@ def keep(report: Path) -> None:
     """Write the tables and the provenance of each study of a report to docs/tables."""
     for study, result in json.loads(report.read_text(encoding="utf-8")).items():
         kept = {name: result[name] for name in ("title", "tables", "provenance")}
+        if study in JUDGES:
+            kept["claims"] = result["claims"]
         text = json.dumps(kept, indent=1, ensure_ascii=False)
         (DOCS / "tables" / f"{study}.json").write_text(text + "\n", encoding="utf-8")
 
@@ -90,7 +101,46 @@ def write_tables(document: str) -> str:
             kept = replace(kept, header=columns[0], rows=columns[1:])
         return found[1] + kept.text() + "\n" + found[5]
 
-    return TABLE.sub(table, document)
+    written = TABLE.sub(table, document)
+    if STATEMENTS_PLACE.search(written):
+        listed = list_statements(kept_claims())
+        written = STATEMENTS_PLACE.sub(lambda place: f"{place[1]}{listed}\n{place[2]}", written)
+    return written
+
+
+def kept_claims() -> dict[str, list[Claim]]:
+    """Key of each statement that was judged to the claims that are kept of it."""
+    claims: dict[str, list[Claim]] = {}
+    fields = list(Claim.__dataclass_fields__)
+    for study in JUDGES:
+        path = DOCS / "tables" / f"{study}.json"
+        if not path.exists():
+            continue
+        of_study: dict[str, list[Claim]] = {}
+        for kept in json.loads(path.read_text(encoding="utf-8"))["claims"]:
+            claim = Claim(**{name: kept[name] for name in fields})
+            of_study.setdefault(claim.key, []).append(claim)
+        claims = of_study | claims
+    return claims
+
+
+def list_statements(claims: dict[str, list[Claim]]) -> str:
+    """Each statement that was judged, with its rule, and the verdict and figures of each claim."""
+    parts = []
+    for key, statement in STATEMENTS.items():
+        if key not in claims:
+            continue
+        lines = [f"**{statement['sentence']}** ({statement['source']})", ""]
+        rule = f"Confirmed if {statement['confirmed if']}. {claims[key][0].circumstances}"
+        lines += [rule.strip(), ""]
+        if "doubt" in statement:
+            lines += [f"Doubt: {statement['doubt']}.", ""]
+        for claim in claims[key]:
+            subject = f"{claim.of}: " if claim.of else ""
+            seeds = f" (seeds: {claim.seeds})" if claim.seeds else ""
+            lines.append(f"- {subject}**{claim.verdict}**{seeds}. {measured(claim)}")
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts)
 
 
 def write_all() -> None:

@@ -1,12 +1,13 @@
 """The charts of docs/results.md are drawn from the tables that are kept."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from studies.holes import RATIO
 from studies.shared.charts import number_in
-from studies.shared.result import Result, Table, data
+from studies.shared.result import Claim, Result, Table, data
 from tools import result_figures
 from tools.result_figures import DOCS, charts, kept_tables, write_tables
 
@@ -47,6 +48,23 @@ def test_a_report_is_kept_and_its_tables_are_written(tmp_path, monkeypatch):
     written = write_tables(document)
     assert "| network | 1.3 |" in written and "old" not in written
     assert written.startswith("before") and written.endswith("after")
+
+
+def test_statements_are_listed_with_their_rule_and_verdicts(tmp_path, monkeypatch):
+    monkeypatch.setattr(result_figures, "DOCS", tmp_path)
+    (tmp_path / "tables").mkdir()
+    claim = Claim("uniform_prior", False, "15 cm;", "best", "replayed: 1 cm.", seeds="3")
+    own = Claim("prior_matched", True, "1.5 times that distance.")
+    report = tmp_path / "report.json"
+    for study, claims in (("claims", [claim]), ("sequences", [own, replace(claim, of="")])):
+        result = {study: data(Result("Statements", [], claims))}
+        report.write_text(json.dumps(result), encoding="utf-8")
+        result_figures.keep(report)
+    written = write_tables("<!-- statements -->\nstale\n<!-- end of statements -->")
+    assert "stale" not in written and "Confirmed if bones, sliding" in written
+    assert "- best: **refuted** (seeds: 3). 15 cm; replayed: 1 cm." in written
+    assert written.count("refuted") == 1  # the first study that judges a statement is listed
+    assert "- **confirmed**. 1.5 times that distance." in written
 
 
 @pytest.mark.parametrize("path", sorted(DOCS.rglob("*.md")), ids=lambda path: path.stem)
