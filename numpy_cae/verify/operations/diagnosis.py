@@ -206,27 +206,19 @@ def _conditions(property_: Property, case: Case) -> set[str]:
         if option == 1 or isinstance(option, str):
             conditions.add(f"{name} is {option}")
     conditions.update(_conditions_of_numbers(property_, _numbers(case)))
-    arguments = property_.arguments(case)
-    for name, array in arguments.items():
-        if len(arguments) > 1 and np.any(array):  # of one array, it says nothing about the mistake
-            conditions.add(f"{name} is not 0")
+    for name, array in property_.arguments(case).items():
         if not np.all(array):
             conditions.add(f"{name} has a 0")
     return conditions
 
 
 def _conditions_of_numbers(property_: Property, numbers: dict[str, int]) -> Iterator[str]:
-    """What is true of the sizes that are numbers, by themselves and beside each other."""
+    """What is true of the sizes that are numbers."""
     for name, size in numbers.items():
         yield f"{name} is {'odd' if size % 2 else 'even'}"
         for option in property_.sizes[name]:
             if size > option:
                 yield f"{name} is above {option}"
-        for second_name, second_size in numbers.items():
-            if size < second_size:
-                yield f"{name} is below {second_name}"
-            if second_name > name and size == second_size:
-                yield f"{name} is as large as {second_name}"
 
 
 def _row(arrays: Sequence[np.ndarray]) -> np.ndarray:
