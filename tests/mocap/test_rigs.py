@@ -174,6 +174,24 @@ def test_missing_toes_spine_and_collars_are_points_on_the_bones_there_are(tmp_pa
     np.testing.assert_allclose(again, targets, atol=1e-5)
 
 
+def test_a_spine_at_the_hips_is_added_half_way_to_the_chest(tmp_path):
+    """Some rigs turn the trunk by a joint that is at the place of the hips."""
+    file = person(str)
+    spine = file.skeleton.names.index("spine")
+    file.skeleton.offsets[spine] = 0.0
+    placed = replace(file, translations=np.tile(file.skeleton.offsets, (len(file), 1, 1)))
+    completed = add_missing_joints(attach_rig(placed, rig_by_names(file.skeleton)))
+    assert completed.skeleton.names[-1] == "spine (added)"
+    assert completed.skeleton.parents[-1] == spine
+    at = dict(zip(JOINTS, body_positions(completed)[0], strict=True))
+    np.testing.assert_allclose(at["spine"], (at["hips"] + at["chest"]) / 2, atol=1e-12)
+    assert np.linalg.norm(at["chest"] - at["hips"]) > 0.05
+    targets = body_positions(completed) + [0.1, 0.0, 0.0]
+    write_bvh(retarget(completed, targets), tmp_path / "moved.bvh")
+    again = body_positions(load_motion(tmp_path / "moved.bvh", unit=0.01, up="y", floor=0))
+    np.testing.assert_allclose(again, targets, atol=1e-5)
+
+
 INCOMPLETE = [(str, ["head", *TOES]), (str, TOES), (bone, ["spine", *COLLARS]), (swapped, [])]
 DOUBTS = [(TOES, 1, "neither names nor toes tell"), ([], 2, "the ratio of thigh to shin is 2")]
 

@@ -403,6 +403,7 @@ def add_missing_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMo
         parent = rig.indices.get(JOINTS[PARENTS[JOINTS.index(joint)]])
         if parent is None:
             return motion
+        parent = _carrier_of(motion, joint, parent)
         offset = _offset(motion, joint, parent, estimate)
         if not offset.any():
             return motion
@@ -426,6 +427,19 @@ def add_missing_joints(motion: RiggedMotion, estimate: bool = False) -> RiggedMo
         translations=np.concatenate([motion.translations, places], axis=1),
         rig=replace(rig, indices=indices, added=tuple(added)),
     )
+
+
+def _carrier_of(motion: RiggedMotion, joint: str, parent: int) -> int:
+    """The joint of the rig to which a missing one is added: the parent, or a joint at the same
+    place that carries the joint where the missing one's bone ends."""
+    end, _ = _BETWEEN.get(joint, ("", 0.0))
+    if end not in motion.rig.indices:
+        return parent
+    skeleton = motion.skeleton
+    path = skeleton.path(motion.rig.indices[end])[1:]
+    if parent not in path or skeleton.offsets[path[: path.index(parent)]].any():
+        return parent
+    return path[0]
 
 
 def _offset(motion: RiggedMotion, joint: str, parent: int, estimate: bool) -> np.ndarray:

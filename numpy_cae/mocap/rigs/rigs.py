@@ -202,7 +202,7 @@ def partial_rig_of(motion: Motion) -> Rig:
 
 def add_trunk(skeleton: Skeleton, indices: dict[str, int], named: set[str]) -> None:
     """Find chest and spine by hierarchy if they are missing or the collars begin above the chest,
-    and put their indices into `indices`.
+    and put their indices into `indices`. A joint at the hips is no spine.
 
     The joints that the user `named` are not changed.
     """
@@ -216,6 +216,8 @@ def add_trunk(skeleton: Skeleton, indices: dict[str, int], named: set[str]) -> N
         indices["chest"] = carrier
         if "spine" not in named:
             indices.pop("spine", None)
+    if "spine" not in named and _is_at_hips(skeleton, indices):
+        indices.pop("spine")
     has_chest_alone = {"chest", "spine"} & (named | set(indices)) == {"chest"}
     if not has_chest_alone or indices["hips"] not in ancestors:
         return
@@ -225,6 +227,19 @@ def add_trunk(skeleton: Skeleton, indices: dict[str, int], named: set[str]) -> N
         # Distance from the chest down to each joint in between, and to the hips.
         down = np.cumsum(lengths[[carrier, *between]])
         indices["spine"] = between[int(np.argmin(np.abs(down[:-1] - down[-1] / 2)))]
+        if _is_at_hips(skeleton, indices):
+            indices.pop("spine")
+
+
+def _is_at_hips(skeleton: Skeleton, indices: dict[str, int]) -> bool:
+    """Whether there is a spine, and no bone between it and the hips has a length."""
+    if "spine" not in indices:
+        return False
+    path = skeleton.path(indices["spine"])
+    if indices["hips"] not in path:
+        return False
+    bones = path[: path.index(indices["hips"])]
+    return not skeleton.offsets[bones].any()
 
 
 def _first_arm_joints(indices: dict[str, int]) -> tuple[int, int] | None:
