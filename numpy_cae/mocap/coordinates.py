@@ -90,6 +90,10 @@ def detect_up(body: np.ndarray, rest: np.ndarray) -> str:
     component, up = _upright(body)
     if abs(component) < UPRIGHT_COSINE:
         return "y"
+    if not _rests_at_zero(body, up):
+        for axis in TO_Y_UP:
+            if axis != up and _stands_along(body, axis) and _rests_at_zero(body, axis):
+                return axis
     of_rest, up_of_rest = _upright(rest[None])
     is_other = abs(of_rest) >= UPRIGHT_COSINE and up_of_rest != up
     if is_other and not _moves_over_floor(body, up, up_of_rest):
@@ -165,16 +169,19 @@ def turn_y_up(
     up = stated_up or "y"
     floor = stated_floor or 0.0
     rig = partial_rig_of(motion)
+    source = "as given"
     if len(rig.indices) == len(JOINTS) and None in (stated_up, stated_floor):
         body = motion.sampled(_POSES).positions(rig.joints)
-        up = stated_up or detect_up(body, motion.skeleton.rest_positions()[rig.joints])
+        rest = motion.skeleton.rest_positions()[rig.joints]
+        up = stated_up or detect_up(body, rest)
+        source = _source_of_up(stated_up, up, rest)
         if stated_floor is None:
             floor = detect_floor(body @ np.transpose(TO_Y_UP[up]))
     if up == "y" and floor == 0:
         return motion
     notes = list(motion.notes)
     if up != "y":
-        notes.append(Note("up", f"{up.upper()} up ({_source(stated_up)})"))
+        notes.append(Note("up", f"{up.upper()} up ({source})"))
     if floor != 0:
         notes.append(Note("floor", f"floor at {floor:.2f} m ({_source(stated_floor)})"))
     turned = _turn(motion, np.array(TO_Y_UP[up], dtype=float))
@@ -182,9 +189,20 @@ def turn_y_up(
     return replace(turned, up=up, floor=floor, notes=tuple(notes))
 
 
-def _source(stated: str | float | None) -> str:
+def _source(stated: float | None) -> str:
     """How a note calls the source of what the user stated, or did not."""
     return "detected" if stated is None else "as given"
+
+
+def _source_of_up(stated: str | None, up: str, rest: np.ndarray) -> str:
+    """How a note calls the source of the up axis; a person who lies may look like one who stands,
+    so what contradicts the rest pose (20, 3) is said to be in doubt."""
+    if stated is not None:
+        return "as given"
+    component, up_of_rest = _upright(rest[None])
+    if abs(component) < UPRIGHT_COSINE or up_of_rest == up:
+        return "detected"
+    return f"detected; the rest pose has {up_of_rest.upper()} up: --up {up_of_rest} if people lie"
 
 
 def turn_as_in_file(motion: Motion) -> Motion:

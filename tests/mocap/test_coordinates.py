@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from data_synth import make_take
 from data_synth.kinds import KINDS
@@ -79,6 +80,37 @@ def test_a_body_that_hangs_in_most_frames_is_turned():
     hung = in_file(make_take("walk", 1, 4.0, 30.0).motion, "-y", 0.0)
     hung.rotations[10:45, 0] = [1.0, 0.0, 0.0, 0.0]
     assert turn_y_up(hung).up == "-y"
+
+
+def laid_down(motion, standing, about):
+    """A motion that falls after a share of its time, about an axis, and stays on the floor."""
+    first = int(standing * len(motion))
+    angle = np.interp(np.arange(len(motion)), [first, first + 15], [0.0, 90.0])
+    turn = Rotation.from_euler(about, angle[:, None], degrees=True)
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = (turn * Rotation.from_quat(rotations[:, 0])).as_quat()
+    fallen = replace(motion, rotations=rotations, translations=motion.translations.copy())
+    fallen.translations[:, 0, 1] -= fallen.positions()[..., 1].min(axis=1) - 0.03
+    return fallen
+
+
+@pytest.mark.parametrize("up", ["y", "z", "-y"])
+@pytest.mark.parametrize("about", ["x", "z"])
+@pytest.mark.parametrize("standing", [0.5, 0.2, 0.08])
+def test_people_who_fall_and_stay_there_keep_their_axis(up, about, standing):
+    fallen = laid_down(make_take("idle", 2, 10.0, 30.0).motion, standing, about)
+    assert turn_y_up(in_file(fallen, up, 0.0)).up == up
+
+
+def test_people_who_crawl_keep_their_axis():
+    crawling = laid_down(make_take("walk", 1, 8.0, 30.0).motion, 0.0, "x")
+    assert turn_y_up(crawling).up == "y"
+    assert turn_y_up(in_file(crawling, "y", 0.0)).up == "y"
+
+
+def test_an_axis_against_the_rest_pose_is_said_to_be_in_doubt(walk):
+    assert "Z up (detected; the rest pose has Y up: --up y" in turn_y_up(in_file(walk, "z", 0)).note
+    assert "Z up (as given)" in turn_y_up(in_file(walk, "z", 0), "z").note
 
 
 def test_a_file_whose_rest_pose_is_z_up_at_the_origin():
