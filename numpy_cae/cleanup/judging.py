@@ -103,8 +103,8 @@ def measure_changes(before: View, after: View, findings: list[Finding]) -> Chang
 def has_worse_figures(before: View, after: View, findings: Sequence[Finding]) -> bool:
     """Whether a figure of a whole motion (`measures.Measures`) is worse after findings are mended.
 
-    Feet that slide more count by the thresholds above, and only those that stood before: a leg that
-    was turned stood nowhere, and a body whose pose was repeated did not slide. Neither they nor
+    Where feet slide more, the thresholds above decide, of feet that stood before: a leg that was
+    turned stood nowhere, and a body whose pose was repeated did not slide. Neither they nor
     jitter count in a motion that jumps all the time, whose feet hardly stand, if it jumps less.
     """
     figures = measure_view(before)
@@ -113,17 +113,23 @@ def has_worse_figures(before: View, after: View, findings: Sequence[Finding]) ->
         return True
     if figures.jumps > JUMPY_SHARE * len(before) and figures_after.jumps < figures.jumps:
         return False
+    if is_larger(figures.jitter, figures_after.jitter):
+        return True
+    if not is_larger(figures.sliding, figures_after.sliding):
+        return False
     sliding, sliding_after = standing_speeds(before, after)
     stood = np.ones(len(before), bool)
     for finding in findings:
         if finding.row in (REPEATED, LIMB_TURNED, LIMB_TURNED_QUICKLY, TURNED):
-            stood[finding.stretch] = False
+            # The frames beside an offset are interpolated with its ends.
+            first = max(finding.stretch.start - 1, 0)
+            stood[first : finding.stretch.stop + 1] = False
     sliding = sliding[stood]
     standing = max(np.count_nonzero(sliding), 1)
     speed = float(sliding.sum() / standing)
     speed_after = float(sliding_after[stood].sum() / standing)
     more = max(MORE_SLIDING_SHARE * speed, MORE_SLIDING_CENTIMETRES)
-    return speed_after - speed > more or is_larger(figures.jitter, figures_after.jitter)
+    return speed_after - speed > more
 
 
 def _count(mask: np.ndarray) -> int:

@@ -185,8 +185,8 @@ def mend_limb_turns(view: View, findings: Sequence[Finding], manifold: MotionMan
         frames = np.arange(turn.first, min(turn.end + 1, len(motion)))
         rotations[frames, joint] = turn.undo(rotations[frames, joint], frames)
         missing = np.zeros((len(motion), 1), bool)
-        missing[turn.first + 1 : turn.risen] = True
-        missing[turn.falls + 1 : turn.end] = True
+        missing[max(turn.first, 1) : turn.risen] = True
+        missing[turn.falls + 1 : min(turn.end + 1, len(motion) - 1)] = True
         rotations[:, [joint]] = interpolate_rotations(rotations[:, [joint]], missing, motion.rate)
     return replace(motion, rotations=rotations)
 

@@ -1,9 +1,15 @@
 """Whether a step has made a motion worse is decided from a few numbers."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
+from data_synth import make_take
 from numpy_cae.cleanup import Finding
-from numpy_cae.cleanup.judging import Change, Changes, Tolerance, find_worse
+from numpy_cae.cleanup.judging import Change, Changes, Tolerance, find_worse, has_worse_figures
+from numpy_cae.cleanup.kinds import LIMB_TURNED, SPIKE
+from numpy_cae.cleanup.view import View
 
 FINDINGS = [Finding("left_wrist", (10, 12)), Finding("hips", (40, 50))]
 BETTER = Changes(
@@ -50,3 +56,15 @@ def test_feet_that_slide_more_count_if_the_step_says_so(tolerance, sharp_after, 
     sharp = Change(4, sharp_after)
     changes = BETTER._replace(sliding_near=sliding, sharp_jumps=sharp, is_jumpy=is_jumpy)
     assert find_worse(FINDINGS, changes, tolerance) == worse
+
+
+def test_feet_beside_a_leg_that_was_turned_back_do_not_count():
+    """Its ends are interpolated with the frame before and after the turn."""
+    truth = make_take("idle", 3, seconds=2.0, rate=30.0).motion
+    slides = truth.translations.copy()
+    slides[:, 0, 0] += np.interp(np.arange(60), [19, 41], [0.0, 0.1])
+    after = View(replace(truth, translations=slides))
+    turned = Finding("left_hip", (20, 39), LIMB_TURNED.name)
+    assert not has_worse_figures(View(truth), after, [turned])
+    spike = Finding("left_hip", (20, 39), SPIKE.name)
+    assert has_worse_figures(View(truth), after, [spike])
