@@ -15,7 +15,7 @@ from numpy_cae.cleanup.events import Event, group_findings
 from numpy_cae.cleanup.finding import KEPT_REASON, LEFT_REASON, Finding
 from numpy_cae.cleanup.kinds import FOOT
 from numpy_cae.cleanup.measures import Measures, is_larger, measure_damage
-from numpy_cae.cleanup.presets import fitting_preset
+from numpy_cae.cleanup.presets import fitting_preset, kinks_to_smooth
 from numpy_cae.cleanup.words import (
     MOST_PRINTED,
     NOTHING_FOUND,
@@ -273,12 +273,17 @@ def _sentences(repaired: Repaired) -> list[str]:
 
 
 def _advice(repaired: Repaired, command: str) -> list[str]:
-    """Which preset fits the motion, if any, and the command to which --from is added."""
+    """Which preset fits the motion, and whether smoothing does, with the commands."""
     name = fitting_preset(repaired.original) if repaired.original else None
-    if name is None:
-        return []
-    steps = f"--from {name} suits a motion that {FITS[name]}, as this does: {PRESETS[name]}"
-    return [f"not done yet: {steps}. The command: {command} --from {name}"]
+    sentences = []
+    if name is not None:
+        steps = f"--from {name} suits a motion that {FITS[name]}, as this does: {PRESETS[name]}"
+        sentences.append(f"not done yet: {steps}. The command: {command} --from {name}")
+    kinks = kinks_to_smooth(repaired.motion)
+    if kinks and not (name and PRESETS[name].smooth):
+        steps = f"--smooth removes jitter: joints stop or start within a frame {kinks} times"
+        sentences.append(f"not done yet: {steps}. The command: {command} --smooth")
+    return sentences
 
 
 def _measures_in_words(before: Measures, after: Measures) -> list[tuple[str, str, str]]:
