@@ -12,9 +12,12 @@ from itertools import pairwise
 import numpy as np
 
 from numpy_cae.cleanup.cuts import find_cuts
+from numpy_cae.cleanup.feet import find_feet, mend_feet
+from numpy_cae.cleanup.finding import is_path
 from numpy_cae.cleanup.interpolation import with_finite_values
+from numpy_cae.cleanup.kinds import TOES
 from numpy_cae.cleanup.view import View
-from numpy_cae.mocap.rigs.recognise import rig_of
+from numpy_cae.mocap.rigs.recognise import joint_index, rig_of
 from numpy_cae.motion import JOINTS, Motion, Skeleton
 from numpy_cae.motion.filters import (
     HIGHEST_SHARE,
@@ -22,6 +25,7 @@ from numpy_cae.motion.filters import (
     butterworth,
     filter_motion,
     median_of,
+    smooth_curve,
 )
 from numpy_cae.motion.joints import SIDES
 from numpy_cae.motion.masks import fade_in_and_out
@@ -33,6 +37,12 @@ FADE_SECONDS = 0.1
 SYMMETRIC_SHARE = 0.2
 """The mirror image of a joint in the rest pose is nearer to its counterpart than this share of the
 length of the legs."""
+NOT_MIRRORED = (
+    "this rig cannot be mirrored; retarget the motion to a rig whose left and right sides are "
+    "mirror images in the rest pose, such as a T-pose, in the program that it comes from, and "
+    "mirror that file"
+)
+"""What is said of a rig without two like sides."""
 MIRROR = np.array([-1.0, 1.0, 1.0])
 """The signs of a place's coordinates in the mirror, x to the side."""
 
@@ -149,6 +159,87 @@ def filter_median(
     return _filter_part(motion, partial(median_of, around=around), joints, frames, fade)
 
 
+def filter_jitter(
+    motion: Motion,
+    joints: Iterable[str] | None = None,
+    frames: Sequence[int] | None = None,
+    fade: float = FADE_SECONDS,
+) -> Motion:
+    """The motion after the filter of `repair --smooth`, whose cut-off is chosen from the noise of
+    each curve (`motion.filters`); parameters, results and errors are those of `filter_low_pass`.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> noise = 0.02 * np.random.default_rng(0).normal(size=motion.translations.shape)
+    >>> noisy = replace(motion, translations=motion.translations + noise)
+    >>> smooth = filter_jitter(noisy, ["hips"])
+    >>> errors = [np.abs(x.translations - motion.translations)[:, 0] for x in (noisy, smooth)]
+    >>> bool(errors[1].mean() < 0.7 * errors[0].mean())
+    True
+    """
+    smooth = partial(smooth_curve, rate=motion.rate)
+    return _filter_part(motion, smooth, joints, frames, fade)
+
+
+def hold_standing_feet(
+    motion: Motion,
+    toes: Iterable[str] = TOES,
+    frames: Sequence[int] | None = None,
+) -> Motion:
+    """The motion with feet that stand held at their places, as by `repair --feet`, but only the
+    named toes, and only in some frames.
+
+    Parameters
+    ----------
+    motion : Motion
+        On any rig in which the twenty joints can be found.
+    toes : strings
+        Which of `kinds.TOES`, by our names or the rig's.
+    frames : (int, int), optional
+        The first and the last frame in which feet are held; all where None.
+
+    Returns
+    -------
+    Motion
+
+    Raises
+    ------
+    ValueError
+        If the motion does not have the frames, has values that are not finite, a joint is no toe,
+        or the hips do not move with the feet, so that the path of the whole motion is missing.
+
+    Examples
+    --------
+    >>> from data_synth import make_take
+    >>> motion = make_take("walk", 0, seconds=2.0, rate=30.0).motion
+    >>> motion.translations[:, 0, 0] += np.linspace(0.0, 0.6, 60)
+    >>> held = hold_standing_feet(motion, ["left_toe"], (0, 29))
+    >>> int(np.flatnonzero((held.rotations != motion.rotations).any(axis=(1, 2)))[-1]) < 40
+    True
+    """
+    require_finite(motion)
+    stretch = _stretch(motion, frames)
+    names = [JOINTS[joint_index(toe, motion)] for toe in toes]
+    for name in names:
+        if name not in TOES:
+            raise ValueError(f"{name} does not stand: expected {' or '.join(TOES)}")
+    view = View(motion)
+    findings = []
+    for finding in find_feet(view, sensitivity=1.0):
+        if is_path(finding):
+            raise ValueError(
+                "the hips do not move as the feet do: give the whole motion its path first, by "
+                "repair --feet"
+            )
+        first = max(finding.stretch.start, stretch.start)
+        end = min(finding.stretch.stop, stretch.stop)
+        if finding.joint in names and first < end:
+            findings.append(replace(finding, frames=(first, end - 1)))
+    return mend_feet(view, findings) if findings else motion
+
+
 def mirror_motion(motion: Motion) -> Motion:
     """The mirror image of a motion on its own skeleton: the left side does what the right one did.
 
@@ -253,10 +344,10 @@ def _pair_joints(skeleton: Skeleton, axis: int, leg: float) -> list[int]:
         if not distances or min(distances) > SYMMETRIC_SHARE * leg:
             name = skeleton.names[joint]
             problem = f"joint {name!r} has no counterpart on the other side of the rest pose"
-            raise ValueError(f"{problem}: this rig cannot be mirrored")
+            raise ValueError(f"{problem}: {NOT_MIRRORED}")
         counterparts[joint] = candidates[int(np.argmin(distances))]
     if sorted(counterparts) != list(range(len(counterparts))):
-        raise ValueError("two joints have one counterpart: this rig cannot be mirrored")
+        raise ValueError(f"two joints have one counterpart in the rest pose: {NOT_MIRRORED}")
     return counterparts
 
 

@@ -9,8 +9,10 @@ import pytest
 
 from data_synth import draw_body, make_take
 from numpy_cae.cleanup.edits import (
+    filter_jitter,
     filter_low_pass,
     filter_median,
+    hold_standing_feet,
     mirror_motion,
     split_at_cuts,
     trim_motion,
@@ -74,7 +76,7 @@ def test_a_rig_with_two_unlike_sides_is_not_mirrored():
     offsets = motion.skeleton.offsets.copy()
     offsets[motion.skeleton.index("ltibia")] = [0.0, 0.0, 0.5]
     lying = replace(motion, skeleton=replace(motion.skeleton, offsets=offsets))
-    with pytest.raises(ValueError, match="cannot be mirrored"):
+    with pytest.raises(ValueError, match="cannot be mirrored; retarget the motion to a rig whose"):
         mirror_motion(lying)
 
 
@@ -129,6 +131,73 @@ def test_medians_are_computed_in_parts(monkeypatch):
     expected = median_of(values, 7)
     monkeypatch.setattr(filters, "MEDIAN_VALUES", 2 * 15 * 3)
     np.testing.assert_array_equal(median_of(values, 7), expected)
+
+
+def test_jitter_is_removed_from_named_joints_in_named_frames():
+    motion = clip("walk", seconds=4.0)
+    elbow = motion.skeleton.index("lradius")
+    noise = 0.02 * np.random.default_rng(0).standard_normal((len(motion), 4))
+    noisy = replace(motion, rotations=motion.rotations.copy())
+    noisy.rotations[:, elbow] += noise
+    noisy.rotations[:, elbow] /= np.linalg.norm(noisy.rotations[:, elbow], axis=-1, keepdims=True)
+    smooth = filter_jitter(noisy, ["left_elbow"], (40, 80))
+    changed = np.argwhere(np.any(smooth.rotations != noisy.rotations, axis=-1))
+    assert set(changed[:, 1]) == {elbow} and {*changed[[0, -1], 0]} == {40, 80}
+    inside = slice(45, 76)
+    errors = [np.abs(x.rotations - motion.rotations)[inside, elbow] for x in (noisy, smooth)]
+    assert errors[1].mean() < 0.6 * errors[0].mean()
+
+
+def sliding_walk():
+    """A walk of four seconds whose root drifts, so that its feet slide."""
+    motion = clip("walk", seconds=4.0)
+    motion.translations[:, 0, 0] += 0.2 * np.arange(120) / 30.0
+    return motion
+
+
+def test_named_feet_are_held_in_named_frames():
+    motion = sliding_walk()
+    held = hold_standing_feet(motion, ["left_toe"], (30, 70))
+    moved = np.abs(held.positions() - motion.positions()).max(axis=(1, 2))
+    assert moved[40:60].max() > 0.02 and max(moved[:15].max(), moved[86:].max()) < 0.002
+    toe = JOINTS.index("left_toe")
+    steps = [np.diff(body_positions(x)[:, toe, [0, 2]], axis=0) for x in (motion, held)]
+    speeds = 30 * np.linalg.norm(steps, axis=-1)
+    stands = (speeds[0] < 0.4) & (np.arange(119) > 34) & (np.arange(119) < 66)
+    assert stands.sum() > 10
+    assert np.median(speeds[1][stands]) < 0.5 * np.median(speeds[0][stands])
+
+
+def test_hips_that_do_not_follow_the_feet_are_no_edit():
+    motion = clip("walk", seconds=4.0)
+    motion.translations[:, 0] = motion.translations[0, 0]
+    with pytest.raises(ValueError, match="give the whole motion its path first"):
+        hold_standing_feet(motion)
+
+
+def test_a_knee_does_not_stand():
+    with pytest.raises(ValueError, match="expected left_toe or right_toe"):
+        hold_standing_feet(clip("walk"), ["left_knee"])
+
+
+ON_A_PATH = [name for name in REAL if "video" not in name]
+"""The files of `REAL` whose hips move with the feet."""
+PARTS = [(name, "--smooth --joint left_wrist") for name in REAL]
+PARTS += [(name, "--feet --joint right_toe") for name in ON_A_PATH]
+
+
+@pytest.mark.parametrize(("name", "edit"), PARTS)
+def test_a_part_of_files_of_others_is_smoothed_or_held(data_folder, tmp_path, name, edit):
+    """What is not named keeps its text."""
+    source = data_folder / name
+    path = tmp_path / f"edited{source.suffix}"
+    command = ["edit", str(source), "-o", str(path), *edit.split(), "--frames", "5", "25"]
+    assert main(command) == 0
+    before, after = load_motion(source), load_motion(path)
+    differs = np.abs(after.positions() - before.positions()).max(axis=(1, 2)) > 1e-3
+    assert not differs[60:].any()
+    lines, edited = source.read_text().splitlines(), path.read_text().splitlines()
+    assert lines[-1] == edited[-1]
 
 
 @pytest.mark.parametrize(
@@ -230,9 +299,7 @@ def test_files_of_others_are_resampled(data_folder, tmp_path, name, rate):
 def test_contacts_are_a_list_that_can_be_edited(tmp_path, monkeypatch, capsys):
     """One command writes the stances, another holds those that are left in the list."""
     monkeypatch.chdir(tmp_path)
-    motion = clip("walk", seconds=4.0)
-    motion.translations[:, 0, 0] += 0.2 * np.arange(120) / 30.0
-    write_bvh(motion, "slides.bvh", unit=0.01)
+    write_bvh(sliding_walk(), "slides.bvh", unit=0.01)
     assert main("repair slides.bvh --feet --dry-run --findings contacts.json".split()) == 0
     contacts = json.loads((tmp_path / "contacts.json").read_text())
     stances = [entry for entry in contacts if entry["kind"] == "foot"]

@@ -1,6 +1,6 @@
-"""Trim, split, mirror, resample or filter a motion, or remove the flips of its angles. Nothing is
-looked for or repaired. What an edit does not change is kept as in the file. Several edits are
-several commands.
+"""Trim, split, mirror, resample or filter a motion, hold its feet or remove the flips of its
+angles. Nothing else is looked for or repaired. What an edit does not change is kept as in the file.
+Several edits are several commands.
 
 examples, with the files that `numpy-cae demo` writes:
   numpy-cae edit demo/true.bvh -o trimmed.bvh --trim --frames 30 90
@@ -9,6 +9,8 @@ examples, with the files that `numpy-cae demo` writes:
   numpy-cae edit demo/true.bvh -o slower.bvh --resample 15
   numpy-cae edit demo/damaged.bvh -o calm.bvh --median 2 --joint left_elbow --frames 30 60
   numpy-cae edit demo/damaged.bvh -o low_pass.bvh --low-pass 6 --fade 0.2 --frames 30 60
+  numpy-cae edit demo/damaged.bvh -o smooth.bvh --smooth --joint left_wrist --frames 30 60
+  numpy-cae edit demo/damaged.bvh -o held.bvh --feet --joint right_toe --frames 0 60
   numpy-cae edit demo/true.bvh -o turned.bvh --euler
 """
 
@@ -18,12 +20,15 @@ from pathlib import Path
 from numpy_cae.atomic_write import make_folder
 from numpy_cae.cleanup.edits import (
     FADE_SECONDS,
+    filter_jitter,
     filter_low_pass,
     filter_median,
+    hold_standing_feet,
     mirror_motion,
     split_at_cuts,
     trim_motion,
 )
+from numpy_cae.cleanup.kinds import TOES
 from numpy_cae.cli.shared import arguments
 from numpy_cae.mocap import require_bvh
 from numpy_cae.mocap.file_motion import KEPT_SUFFIXES, FileMotion
@@ -51,10 +56,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     edits.add_argument("--low-pass", type=arguments.positive, metavar="HZ", help=low_pass)
     median = "filter with the median of N frames on each side"
     edits.add_argument("--median", **arguments.COUNT, help=median)
-    group = parser.add_argument_group("what --low-pass and --median filter (default: everything)")
-    joints = "joints to filter, such as left_wrist, by our names or the rig's"
+    smooth = "remove jitter, as `repair --smooth` does"
+    edits.add_argument("--smooth", **arguments.FLAG, help=smooth)
+    feet = "hold feet that stand at their places, as `repair --feet` does"
+    edits.add_argument("--feet", **arguments.FLAG, help=feet)
+    title = "what the filters and --feet change (default: everything)"
+    group = parser.add_argument_group(title)
+    joints = "joints to filter, such as left_wrist, or toes to hold, by our names or the rig's"
     group.add_argument("--joint", nargs="+", metavar="NAME", help=joints)
-    frames = "first and last frame to filter, or of --trim, counted from 0"
+    frames = "first and last frame to filter or hold, or of --trim, counted from 0"
     group.add_argument(
         "--frames",
         type=arguments.whole_number,
@@ -94,6 +104,10 @@ def _edit(args: argparse.Namespace, motion: Motion) -> Motion:
         return filter_low_pass(motion, args.low_pass, args.joint, args.frames, fade)
     if args.median:
         return filter_median(motion, args.median, args.joint, args.frames, fade)
+    if args.smooth:
+        return filter_jitter(motion, args.joint, args.frames, fade)
+    if args.feet:
+        return hold_standing_feet(motion, args.joint or TOES, args.frames)
     return motion  # its angles are changed where it is written
 
 
@@ -112,14 +126,15 @@ def _write(args: argparse.Namespace, motion: Motion, path: Path) -> None:
 def _require_suitable(args: argparse.Namespace) -> None:
     """Raise ValueError for options that the edit does not have, and for an output that cannot be
     written."""
-    is_filter = args.low_pass is not None or args.median is not None
+    is_filter = args.low_pass is not None or args.median is not None or args.smooth
     if args.trim and args.frames is None:
         raise ValueError("--trim: name the frames to keep with --frames FIRST LAST")
-    if args.frames is not None and not (args.trim or is_filter):
-        raise ValueError("--frames is for --trim, --low-pass and --median")
-    for option, value in (("--joint", args.joint), ("--fade", args.fade)):
-        if value is not None and not is_filter:
-            raise ValueError(f"{option} is for --low-pass and --median")
+    if args.frames is not None and not (args.trim or is_filter or args.feet):
+        raise ValueError("--frames is for --trim, --low-pass, --median, --smooth and --feet")
+    if args.joint is not None and not (is_filter or args.feet):
+        raise ValueError("--joint is for --low-pass, --median, --smooth and --feet")
+    if args.fade is not None and not is_filter:
+        raise ValueError("--fade is for --low-pass, --median and --smooth")
     if args.resample is not None and not MIN_RATE <= args.resample <= MAX_RATE:
         expected = f"expected {MIN_RATE:g} to {MAX_RATE:g} frames a second"
         raise ValueError(f"--resample: the rate is {args.resample:g}, {expected}")
