@@ -14,6 +14,7 @@ from acclaim_files import write_acclaim
 from data_synth import make_take
 from numpy_cae.cli import main
 from numpy_cae.mocap import load_motion, write_bvh
+from numpy_cae.motion.quaternions import from_vector
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +75,25 @@ def test_limbs_and_a_mask_file(folder, tmp_path, capsys, run):
     mask.write_text('[{"joint": "left_wrist", "frames": [9, 9]}, {"frames": [5, 6]}]')
     run(*fill(folder, "walk.bvh", out, "--mask", mask))
     assert "left_wrist: frames 5 to 6, 9: " in capsys.readouterr().out
+
+
+def test_a_limb_without_frames_is_said_to_be_replaced_in_all(folder, tmp_path, capsys, run):
+    run(*fill(folder, "walk.bvh", tmp_path / "m.bvh", "--limb", "left_arm"))
+    message = "replaced in all frames, since --frames is not given: left_arm"
+    assert message in capsys.readouterr().out
+
+
+def test_smoothing_is_advised_where_joints_turn_back_within_frames(takes, tmp_path, capsys):
+    walk = load_motion(takes / "clean.bvh")
+    elbow = walk.skeleton.index("lradius")
+    frame = np.arange(len(walk))
+    angle = 0.25 * np.abs((frame % 16) - 8.0)
+    walk.rotations[:, elbow] = from_vector(angle[:, None] * [0.0, 0.0, 1.0])
+    write_bvh(walk, tmp_path / "turns.bvh")
+    for name, is_advised in ((tmp_path / "turns.bvh", True), (takes / "clean.bvh", False)):
+        main(["repair", str(name), "-o", str(tmp_path / "out.bvh"), "--sensitivity", "0.1"])
+        advice = "joints stop or start within a frame, as"
+        assert (advice in capsys.readouterr().out) == is_advised
 
 
 def test_the_input_is_overwritten_on_request_only(folder, tmp_path, error_of, run):

@@ -36,6 +36,9 @@ def run(args: argparse.Namespace) -> int:
     """Load, fill, write and print each motion."""
     if damage_options.is_chosen(args) == bool(args.keyframes):
         raise ValueError("say what is missing: --joint, --limb, --frames, --mask or --keyframes")
+    if (args.joint or args.limb) and not args.frames:
+        names = ", ".join([*args.joint, *args.limb])
+        print(f"replaced in all frames, since --frames is not given: {names}")
     manifold = files.load_model(args)
     outcome = change_files.Outcome(args)
     reading = arguments.reading(args)
