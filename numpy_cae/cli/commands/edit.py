@@ -9,7 +9,7 @@ examples, with the files that `numpy-cae demo` writes:
   numpy-cae edit demo/true.bvh -o slower.bvh --resample 15
   numpy-cae edit demo/damaged.bvh -o calm.bvh --median 2 --joint left_elbow --frames 30 60
   numpy-cae edit demo/damaged.bvh -o low_pass.bvh --low-pass 6 --fade 0.2 --frames 30 60
-  numpy-cae edit demo/damaged.bvh -o smooth.bvh --smooth --joint left_wrist --frames 30 60
+  numpy-cae edit demo/damaged.bvh -o even.bvh --smooth --joint left_wrist --frames 30 60
   numpy-cae edit demo/damaged.bvh -o held.bvh --feet --joint right_toe --frames 0 60
   numpy-cae edit demo/true.bvh -o turned.bvh --euler
 """
