@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 
 import numpy_cae
-from numpy_cae.atomic_write import make_folder
+from numpy_cae.atomic_write import atomic_write, make_folder, replacing, require_free
 from numpy_cae.errors import NumpyCaeError
 from studies.shared.messages import note
 from studies.shared.options import LISTED, OPTIONS, Inputs, add_options, parameters
@@ -74,6 +74,7 @@ def run_studies(names: list[str], options: list[str]) -> int:
     modules = {name: import_module(f"studies.{name}") for name in names}
     args = parse(modules, options)
     inputs = Inputs(args)
+    is_again = args.output is not None and make_place(args.output)
     results = {}
     for name, module in modules.items():
         if len(names) == 1:
@@ -83,7 +84,8 @@ def run_studies(names: list[str], options: list[str]) -> int:
         results[name] = result
         print(text(result), end="\n\n", flush=True)
     if args.output:
-        write(results, args.output)
+        with replacing(is_again):
+            write(results, args.output)
     return 0 if any(result.tables for result in results.values()) else 2
 
 
@@ -125,21 +127,51 @@ def measure_if_possible(name: str, module: ModuleType, inputs: Inputs) -> Result
         return Result(name.replace("_", " "), [], note=f"Could not be run: {error}.")
 
 
+def make_place(folder: Path) -> bool:
+    """Make the folder of a report. Whether it has an earlier report, whose files are replaced;
+    FileError if it has other files of these names, before anything is measured."""
+    make_folder(folder)
+    if is_report(folder / "report.json"):
+        return True
+    with replacing(False):
+        for name in ("report.json", "report.md"):
+            require_free(folder / name)
+    return False
+
+
+def is_report(path: Path) -> bool:
+    """Whether a file is the JSON of a report."""
+    if not path.is_file():
+        return False
+    try:
+        contents = json.loads(path.read_bytes())
+    except (ValueError, RecursionError):
+        return False
+    if not contents or not isinstance(contents, dict):
+        return False
+    return all(isinstance(result, dict) and "provenance" in result for result in contents.values())
+
+
 def write(results: dict[str, Result], folder: Path) -> None:
     """Write the results as Markdown and as JSON, and each figure as a file of its own."""
-    make_folder(folder)
     contents = {name: data(result) for name, result in results.items()}
     numbers = json.dumps(contents, indent=1, default=lambda value: value.item())
-    (folder / "report.json").write_text(numbers, "utf-8")
-    (folder / "report.md").write_text(report(results), "utf-8", errors="backslashreplace")
+    write_file(folder / "report.json", numbers.encode())
+    write_file(folder / "report.md", report(results).encode(errors="backslashreplace"))
     claims = []
     for result in results.values():
         claims += result.claims
         for name, picture in result.figures.items():
-            (folder / f"{name}.png").write_bytes(png(picture))
+            write_file(folder / f"{name}.png", png(picture))
             write_moving(picture, folder / f"{name}.html")
     confirmed = sum(claim.verdict == CONFIRMED for claim in claims)
     print(f"{folder / 'report.md'}: {confirmed} of {len(claims)} claims confirmed")
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file completely or not at all."""
+    with atomic_write(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def provenance(run: Callable, inputs: Inputs) -> dict[str, str]:

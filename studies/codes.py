@@ -67,6 +67,8 @@ class CodedTake:
 def run(manifold: MotionManifold, material: Material | None, seed: int = 0) -> Result:
     """Encode the takes, their damaged copies and the projections of these."""
     takes = _encode_takes(manifold, material, seed)
+    if len(takes) < 2:
+        raise ValueError("a map needs two takes or more: give more to test on, by --test")
     places, share = scale(np.array([code for take in takes for code in take.codes.values()]))
     points = []
     for take in takes:

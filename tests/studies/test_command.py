@@ -50,6 +50,43 @@ def test_it_lists_the_studies(capsys):
     )
 
 
+@pytest.mark.parametrize("name", ["report.md", "report.json"])
+def test_files_of_the_users_are_not_replaced_and_nothing_is_measured(
+    name, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr("studies.__main__.measure", None)
+    (tmp_path / name).write_text("[1]")
+    assert run("codes", "-o", tmp_path) == 2
+    assert name in capsys.readouterr().err
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [(name, "[1]")]
+
+
+def test_an_earlier_report_is_replaced_and_other_pictures_are_not(folder, model, tmp_path, capsys):
+    words = ["codes", "--data", folder, "-m", model / "known.npz", "--test", "*_3.bvh", "-o"]
+    first, second = tmp_path / "first", tmp_path / "second"
+    assert run(*words, first) == 0
+    (first / "report.md").write_text("old")
+    assert run(*words, first) == 0
+    assert (first / "report.md").read_text().startswith("#")
+    second.mkdir()
+    (second / "codes.png").write_text("mine")
+    assert run(*words, second) == 2
+    assert (second / "codes.png").read_text() == "mine"
+
+
+def test_a_file_is_no_folder_for_a_report(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("studies.__main__.measure", None)
+    (tmp_path / "file").touch()
+    assert run("codes", "-o", tmp_path / "file") == 2
+    assert "is a file, expected a folder" in capsys.readouterr().err
+
+
+def test_a_map_of_one_take_is_refused(folder, capsys):
+    name = sorted(folder.glob("*.bvh"))[0].name
+    assert run("codes", "--data", folder, "--unseen", "--test", name) == 2
+    assert "two takes or more" in capsys.readouterr().err
+
+
 def test_it_writes_its_files_and_a_study_that_cannot_be_run_stops_no_other(
     folder, model, tmp_path, capsys
 ):
