@@ -300,12 +300,12 @@ def _compare_inner_products(
     results = results_of(operation, implementation, copy_inputs(inputs))
     value = results[THE_VALUE]
     pulled = results[f"the gradient for {argument}"]
+    yield Pair("A' dy", pulled, pulled)  # before the check may fail, for the diagnosis
     if max(np.max(np.abs(value)), np.max(np.abs(pulled))) > EXACT:  # or its terms cancel
         tolerance = ADJOINT_IN_FLOAT32 if operation.takes_float32(case) else ADJOINT
         tolerance = max(tolerance, operation.nondeterminism)
         x = inputs[argument]
         check_adjoint(lambda x: (value, lambda dy: pulled), x, inputs[THE_UPSTREAM], tolerance)
-    yield Pair("A' dy", pulled, pulled)
 
 
 class _Call:
