@@ -74,7 +74,7 @@ def run_studies(names: list[str], options: list[str]) -> int:
     modules = {name: import_module(f"studies.{name}") for name in names}
     args = parse(modules, options)
     inputs = Inputs(args)
-    is_again = args.output is not None and make_place(args.output)
+    is_again = args.output is not None and has_report(args.output)
     results = {}
     for name, module in modules.items():
         if len(names) == 1:
@@ -127,15 +127,16 @@ def measure_if_possible(name: str, module: ModuleType, inputs: Inputs) -> Result
         return Result(name.replace("_", " "), [], note=f"Could not be run: {error}.")
 
 
-def make_place(folder: Path) -> bool:
-    """Make the folder of a report. Whether it has an earlier report, whose files are replaced;
-    FileError if it has other files of these names, before anything is measured."""
-    make_folder(folder)
-    if is_report(folder / "report.json"):
-        return True
-    with replacing(False):
-        for name in ("report.json", "report.md"):
-            require_free(folder / name)
+def has_report(folder: Path) -> bool:
+    """Whether a folder has an earlier report, whose files are replaced; FileError if it is a file
+    or has other files of these names."""
+    if folder.exists():
+        make_folder(folder)  # raises FileError for a file
+        if is_report(folder / "report.json"):
+            return True
+        with replacing(False):
+            for name in ("report.json", "report.md"):
+                require_free(folder / name)
     return False
 
 
@@ -154,6 +155,7 @@ def is_report(path: Path) -> bool:
 
 def write(results: dict[str, Result], folder: Path) -> None:
     """Write the results as Markdown and as JSON, and each figure as a file of its own."""
+    make_folder(folder)
     contents = {name: data(result) for name, result in results.items()}
     numbers = json.dumps(contents, indent=1, default=lambda value: value.item())
     write_file(folder / "report.json", numbers.encode())
