@@ -20,19 +20,8 @@ from numpy_cae.verify.grading.submission import (
     read_bytes,
 )
 
-COPY = re.compile(r"(-Copy\d+|-\d+| ?\(\d+\))+$")
-"""What Jupyter, Canvas and browsers add to the name of a file that exists."""
 LARGEST_NOTEBOOK = 2**25
 """A notebook, with its pictures, may have at most this many bytes."""
-MAGIC = re.compile(r"^[%!].*$|^get_ipython\(\)\..*$", re.MULTILINE)
-"""Jupyter's own commands, in a notebook and in a script that Jupyter has made of it."""
-CELL_MAGIC = re.compile(r"^get_ipython\(\)\.run_cell_magic\(.*\)$", re.MULTILINE)
-"""A cell below a command such as %%time, in a script that Jupyter has made."""
-EXPORTED_CELL = re.compile(r"^# (?:In ?\[[ \d]*\]:|%%.*)$", re.MULTILINE)
-"""What stands above each cell in a script that Jupyter or VS Code has made of a notebook."""
-CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
-STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
-COPIED = "the cell of {} is there more than once: the last one counts"
 
 Lessons = Mapping[str, Collection[str]]
 """The names of the exercises of each lesson, by its number."""
@@ -52,6 +41,10 @@ def read_for_lesson(path: Path, lessons: Lessons) -> Submission:
     return _read_export(path, content, lessons) or program
 
 
+COPY = re.compile(r"(-Copy\d+|-\d+| ?\(\d+\))+$")
+"""What Jupyter, Canvas and browsers add to the name of a file that exists."""
+
+
 def lesson_of_name(stem: str, lessons: Collection[str]) -> str:
     """The lesson at the beginning or the end of a file's name, or ""."""
     parts = COPY.sub("", stem).split("_")
@@ -69,6 +62,13 @@ def _lesson_of_exercises(ids: Collection[str], path: Path, lessons: Lessons) -> 
     return lesson_of_name(path.stem, lessons)
 
 
+CELL_MAGIC = re.compile(r"^get_ipython\(\)\.run_cell_magic\(.*\)$", re.MULTILINE)
+"""A cell below a command such as %%time, in a script that Jupyter has made."""
+EXPORTED_CELL = re.compile(r"^# (?:In ?\[[ \d]*\]:|%%.*)$", re.MULTILINE)
+"""What stands above each cell in a script that Jupyter or VS Code has made of a notebook."""
+CHECK = re.compile(r"^course\.report\(\s*[\"'](\w+)", re.MULTILINE)
+
+
 def _read_export(path: Path, content: bytes, lessons: Lessons) -> Submission | None:
     """The exercise cells of a script that Jupyter has made of a lesson; None for other files."""
     text = content.decode("utf-8-sig", "replace").replace("\r\n", "\n")
@@ -82,6 +82,9 @@ def _read_export(path: Path, content: bytes, lessons: Lessons) -> Submission | N
     ids = _names_of_exercises(cells)
     lesson = _lesson_of_exercises(ids, path, lessons)
     return Submission(path, tuple(_answers(cells, ids)), is_notebook=True, lesson=lesson)
+
+
+COPIED = "the cell of {} is there more than once: the last one counts"
 
 
 def _read_notebook(path: Path, content: bytes, lessons: Lessons) -> Submission:
@@ -146,6 +149,9 @@ def is_exercise(cell: dict[str, Any]) -> bool:
     return cell["cell_type"] == "code" and bool(marks.get("solution"))
 
 
+STUB = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
+
+
 def _is_stub(cell: dict[str, Any]) -> bool:
     """Whether a cell has still the body with which a lesson begins."""
     return bool(STUB.search(_source(cell)))
@@ -154,6 +160,10 @@ def _is_stub(cell: dict[str, Any]) -> bool:
 def _id(cell: dict[str, Any]) -> str:
     """nbgrader's name of a cell, or ""."""
     return str(cell["metadata"].get("nbgrader", {}).get("grade_id", ""))
+
+
+MAGIC = re.compile(r"^[%!].*$|^get_ipython\(\)\..*$", re.MULTILINE)
+"""Jupyter's own commands, in a notebook and in a script that Jupyter has made of it."""
 
 
 def _source(cell: dict[str, Any]) -> str:

@@ -20,27 +20,8 @@ from numpy_cae.course.submitted_file import COPY, lesson_of_name
 from numpy_cae.verify.grading.submission import SUFFIXES
 
 ZIP = ".zip"
-DOCUMENTS = {".html", ".htm", ".pdf", ".docx", ".odt", ".rar", ".7z", ".tar", ".gz", ".tgz"}
-"""What students hand in in place of a notebook. Of these, one file is named for each student who
-has handed in nothing that can be graded; in a download of Moodle or Canvas, a file of any kind."""
 MINE = "mine.py"
 """The file of all solved functions, which lies beside the notebooks and belongs to no lesson."""
-MOST_FILES = 2000
-"""A zip file may hold at most this many files."""
-MOST_BYTES = 2**28
-"""The files of a zip file may have at most this many bytes together, unpacked."""
-TOO_LARGE = (
-    f"it is too large: the files of a zip file have at most {MOST_BYTES // 2**20} MB together"
-)
-"""Said of the largest files of a zip file, which are not unpacked; the others are graded."""
-DEEPEST = 2
-"""A zip file in a zip file is opened, and none in that."""
-UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
-"""Other methods may unpack a small entry at once to more than the memory holds."""
-MOODLE = re.compile(
-    r"(?P<prefix>(?P<name>.+?)_(?P<number>\d+)_assignsubmission_[a-z]+)_?(?P<file>.*)"
-)
-CANVAS = re.compile(r"(?P<prefix>(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+)_(?P<file>.+)")
 
 
 @dataclass(frozen=True)
@@ -123,6 +104,12 @@ def _only_files(documents: Sequence[HandedIn], with_notebooks: set[str]) -> Iter
             yield document
 
 
+MOODLE = re.compile(
+    r"(?P<prefix>(?P<name>.+?)_(?P<number>\d+)_assignsubmission_[a-z]+)_?(?P<file>.*)"
+)
+CANVAS = re.compile(r"(?P<prefix>(?P<name>[^_]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+)_(?P<file>.+)")
+
+
 def hand_in_by_place(
     file: Path, place: PurePosixPath, student: str = "", fault: str = ""
 ) -> HandedIn:
@@ -176,6 +163,10 @@ def _is_lesson(stem: str) -> bool:
     return COPY.sub("", stem) in lesson_names()
 
 
+DEEPEST = 2
+"""A zip file in a zip file is opened, and none in that."""
+
+
 def _files_inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[ListedFile]:
     """Each file in a folder or a zip file that is graded or to be named, none in hidden folders."""
     folder = path
@@ -204,6 +195,11 @@ def _files_inside(path: Path, unpacked: Path, depth: int = 0) -> Iterator[Listed
             yield ListedFile(file, place, _why_not_graded(place), is_document=True)
 
 
+DOCUMENTS = {".html", ".htm", ".pdf", ".docx", ".odt", ".rar", ".7z", ".tar", ".gz", ".tgz"}
+"""What students hand in in place of a notebook. Of these, one file is named for each student who
+has handed in nothing that can be graded; in a download of Moodle or Canvas, a file of any kind."""
+
+
 def _is_document(place: PurePosixPath) -> bool:
     """Whether a file that cannot be graded may be what a student has handed in."""
     if place.name == MINE or place.suffix.lower() in DOCUMENTS:
@@ -218,6 +214,18 @@ def _why_not_graded(place: PurePosixPath) -> str:
         return f"{place.name} is handed in without a lesson's notebook, and not graded: {advice}"
     kind = place.suffix or "file without an ending"
     return f"{place.name} is handed in, and a {kind} cannot be graded: {advice}"
+
+
+MOST_FILES = 2000
+"""A zip file may hold at most this many files."""
+MOST_BYTES = 2**28
+"""The files of a zip file may have at most this many bytes together, unpacked."""
+TOO_LARGE = (
+    f"it is too large: the files of a zip file have at most {MOST_BYTES // 2**20} MB together"
+)
+"""Said of the largest files of a zip file, which are not unpacked; the others are graded."""
+UNPACKED = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
+"""Other methods may unpack a small entry at once to more than the memory holds."""
 
 
 def _unzip(path: Path, folder: Path) -> tuple[list[Path], list[Path]]:

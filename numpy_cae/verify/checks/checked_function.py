@@ -19,25 +19,8 @@ from numpy_cae.verify.checks.leaves import (
 from numpy_cae.verify.checks.messages import texts_that_differ
 from numpy_cae.verify.checks.mismatch import ALTERED, REPEATED, Mismatch, require_finite
 
-ROUNDED = 2
-"""Arrays of float32 are rounded so often to see what that changes of the gradients."""
 TOGETHER = "all arguments together"
 """The name in `only` for the check that moves equal entries by equal amounts."""
-AGAIN_FACTOR = -4.0
-"""The pullback is called again with so many times the upstream gradient: an exact product."""
-AGAIN = (
-    "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
-    "gradients: it is not linear, or keeps something between calls"
-)
-OTHERWISE = (
-    "called again, f returns another {}: if it draws random numbers, give it the mask, or seed its "
-    "generator in each call"
-)
-OVERWRITTEN = "the gradient that was returned first is overwritten by the second"
-REPEATED_ROUNDINGS = 1000
-"""Repeated results may differ by so many roundings of the largest of them."""
-TERM_ROUNDINGS = 16
-"""Repeated results may also differ by so many roundings of the largest number they are made of."""
 
 Upstream = Callable[[Any], Any]
 """(output) -> an upstream gradient in its shape."""
@@ -51,6 +34,21 @@ class OutputGradients:
     dy: Any
     gradients: list  # None for a part of the arguments without a gradient
     rounding: list  # what rounding the arrays of float32 once more may change of each gradient
+
+
+ROUNDED = 2
+"""Arrays of float32 are rounded so often to see what that changes of the gradients."""
+AGAIN_FACTOR = -4.0
+"""The pullback is called again with so many times the upstream gradient: an exact product."""
+AGAIN = (
+    "called again with -4 times the upstream gradient, the pullback does not return -4 times the "
+    "gradients: it is not linear, or keeps something between calls"
+)
+OTHERWISE = (
+    "called again, f returns another {}: if it draws random numbers, give it the mask, or seed its "
+    "generator in each call"
+)
+OVERWRITTEN = "the gradient that was returned first is overwritten by the second"
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,6 +240,12 @@ def _require_unaltered(name: str, array: object, before: Any) -> None:
 
 NUMBER_DIGITS = 10
 """The two numbers of a repeated result have at least this many digits."""
+
+
+REPEATED_ROUNDINGS = 1000
+"""Repeated results may differ by so many roundings of the largest of them."""
+TERM_ROUNDINGS = 16
+"""Repeated results may also differ by so many roundings of the largest number they are made of."""
 
 
 def _require_close(

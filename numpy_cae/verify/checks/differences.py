@@ -23,26 +23,6 @@ import numpy as np
 
 from numpy_cae.verify.checks.mismatch import KINK, UNDECIDED
 
-SMALLER = (1 / 8, 1 / 64, 1 / 512)
-"""Smaller steps are so many times the first one."""
-LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
-"""Larger steps are so many times the first one."""
-LARGEST_STEP = 2
-"""No step is larger than so many times the size of an entry."""
-NEIGHBOURS = (0.8, 0.9, 1.1, 1.25)
-"""A wrong number is confirmed at so many times the step of the most certain slope."""
-VISIBLE = 1 / 8
-"""Outputs that a step of so much of an entry does not move do not depend on it."""
-SCATTER_MARGIN = 4
-"""A number is wrong only if it is off by so many times the scatter of the slopes."""
-ROUNDING_MARGIN = 32
-"""Rounding is taken to be at most this many times that of the outputs."""
-RATE_MARGIN = 0.1
-"""A remainder decides if the power with which it falls is so near to 1 or to 2."""
-SINGLE = float(np.finfo(np.float32).eps)
-SINGLE_TOLERANCE = 1e-4
-"""The relative tolerance is at least this where f computes in float32."""
-
 AGREES = "agrees"
 WRONG = "wrong"
 
@@ -69,6 +49,18 @@ class Verdict:
     analytic: float
     jump: float = np.nan  # from the slope on one side to that on the other
     rates: tuple[float, ...] = ()  # the powers of the step with which the remainder falls
+
+
+SMALLER = (1 / 8, 1 / 64, 1 / 512)
+"""Smaller steps are so many times the first one."""
+LARGER = (8, 64, 512, 2**12, 2**15, 2**18)
+"""Larger steps are so many times the first one."""
+LARGEST_STEP = 2
+"""No step is larger than so many times the size of an entry."""
+NEIGHBOURS = (0.8, 0.9, 1.1, 1.25)
+"""A wrong number is confirmed at so many times the step of the most certain slope."""
+VISIBLE = 1 / 8
+"""Outputs that a step of so much of an entry does not move do not depend on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,6 +213,11 @@ class Argument:
         )
 
 
+SINGLE = float(np.finfo(np.float32).eps)
+SINGLE_TOLERANCE = 1e-4
+"""The relative tolerance is at least this where f computes in float32."""
+
+
 def is_of_float32(array: np.ndarray | float) -> bool:
     """Whether numbers have no more digits than float32, whatever their dtype."""
     return np.array_equal(array, np.asarray(array, np.float32))
@@ -238,6 +235,10 @@ CONCLUSIVE = 16
 """A slope is conclusive if its rounding is at most this many times the first step, relatively."""
 
 
+ROUNDING_MARGIN = 32
+"""Rounding is taken to be at most this many times that of the outputs."""
+
+
 def _noise_allowed(slope: Slope, before: list[Slope], analytic: float, first: float) -> float:
     """The rounding with which a slope is still conclusive.
 
@@ -247,6 +248,10 @@ def _noise_allowed(slope: Slope, before: list[Slope], analytic: float, first: fl
     allowed = CONCLUSIVE * first * max(larger, slope.size)
     eighths = [abs(earlier.central - analytic) / 8 for earlier in before]
     return min(allowed, *eighths, np.inf)
+
+
+SCATTER_MARGIN = 4
+"""A number is wrong only if it is off by so many times the scatter of the slopes."""
 
 
 def _judge_slopes(slopes: list[Slope], analytic: float, tolerance: float) -> tuple[Verdict, Slope]:
@@ -305,6 +310,10 @@ def _is_corner(clear: Slope, slopes: list[Slope], allowed: float) -> bool:
             beyond = slope
             break
     return clear.jump > max(beyond.jump / 2, clear.noise, allowed)
+
+
+RATE_MARGIN = 0.1
+"""A remainder decides if the power with which it falls is so near to 1 or to 2."""
 
 
 def _power(rates: tuple[float, ...]) -> int:

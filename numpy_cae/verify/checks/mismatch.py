@@ -20,11 +20,12 @@ KINK = "kink"
 UNDECIDED = "undecided"
 REPEATED = "repeated"
 OVERWRITTEN = "overwritten"
+"""The kinds of a mismatch."""
 
 
 @dataclass(eq=False)
 class Mismatch(AssertionError):
-    """A result that is not as expected: `kind` is one of the constants above.
+    """A result that is not as expected: `kind` is one of the kinds above.
 
     `subject` is what differs, such as "the gradient for x"; `result` and `expected` are the arrays,
     where there are any.

@@ -21,16 +21,11 @@ from numpy_cae.verify.operations.trial import try_property
 from numpy_cae.visible import visible
 
 WIDTH = 98
-INDENT = 10
 IN_ORDER = "a gradient counts once the value is right, other properties once gradients are, too"
 UNSOLVED = NotImplementedError.__name__
 """The kind of an outcome where the function is still the stub of a lesson."""
 ROUNDING = 1e-6
 """A sum of points that is at most this below a whole number is that number."""
-PROBLEM_LINES = 9
-"""So many lines of a problem are shown."""
-EXAMPLE_LINES = 13
-"""So many lines of a counterexample are shown."""
 HINT_LINES = 4
 """So many lines of a likely mistake, and of a hint, are shown."""
 
@@ -153,12 +148,21 @@ def _reason(outcome: Outcome) -> tuple[str, str]:
     return outcome.problem.splitlines()[0], outcome.mistake
 
 
+PROBLEM_LINES = 9
+"""So many lines of a problem are shown."""
+EXAMPLE_LINES = 13
+"""So many lines of a counterexample are shown."""
+
+
 def _describe_failure(outcome: Outcome) -> Iterator[str]:
     """The lines below a property that does not hold, not too many of each kind."""
     yield from _titled_lines("what:", outcome.problem)[:PROBLEM_LINES]
     yield from _titled_lines("smallest:", outcome.counterexample)[:EXAMPLE_LINES]
     yield from _titled_lines("likely:", outcome.mistake)[:HINT_LINES]
     yield from _titled_lines("hint:", outcome.property_.hint)[:HINT_LINES]
+
+
+INDENT = 10
 
 
 def _titled_lines(title: str, text: str) -> list[str]:

@@ -29,31 +29,6 @@ TIME_LIMIT = 30.0
 """One function has this processor time (s) by default; it may be idle as long again."""
 MEMORY_LIMIT = 2048
 """Each process has this memory (MB) by default."""
-STARTUP_SECONDS = 30.0
-"""The grader's process may take this time (s) to import its modules."""
-BUSY = 10
-"""The grader itself is ended after so many times the limits of all functions.
-
-The limits that decide on marks do not count the time in which a process waits for a processor.
-"""
-SILENT_SECONDS = 60.0
-"""A grader that says nothing for so long (s) was stopped, and is ended. It says that it runs once a
-second; a machine with sixty processes a processor is not silent for longer."""
-LOOK_SECONDS = 2.0
-"""So often it is looked whether a grader says something."""
-PREFIX = "numpy_cae_grading_"
-PROJECT = str(Path(__file__).parents[3])
-PASSED_ON = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
-"""The environment variables that the grader's process gets."""
-LIBRARIES = ("OPENBLAS", "OMP", "MKL", "BLIS")
-ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in LIBRARIES}
-CHILD = [sys.executable, "-B", "-P", "-m", "numpy_cae.confined", "numpy_cae.verify.grading.sandbox"]
-BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
-HELPER = "{} is called by other functions and is no operation itself: it was not tested"
-MISSING = (
-    "no function has an operation's name (exercises of a lesson need --lesson NN): "
-    f"{', '.join(CATALOGUE)}"
-)
 
 Exercises = Mapping[str, Exercise]
 Reply = dict[str, Any]
@@ -191,6 +166,13 @@ def _names_provided(
     return sorted(provided - set(assigned))
 
 
+HELPER = "{} is called by other functions and is no operation itself: it was not tested"
+MISSING = (
+    "no function has an operation's name (exercises of a lesson need --lesson NN): "
+    f"{', '.join(CATALOGUE)}"
+)
+
+
 def _report_on(
     submission: Submission, requested: Exercises, assigned: Collection[str], reply: Reply
 ) -> FileReport:
@@ -253,6 +235,9 @@ def _is_helper(report: Report, submission: Submission) -> bool:
     return not answers and submission.calls(report.called)
 
 
+PREFIX = "numpy_cae_grading_"
+
+
 def run(request: dict[str, Any]) -> Reply:
     """The reply of `sandbox.main` to a request; `ungraded` says why there is none."""
     try:
@@ -268,9 +253,26 @@ def run(request: dict[str, Any]) -> Reply:
     return {"failed": "", "ungraded": problem}
 
 
+STARTUP_SECONDS = 30.0
+"""The grader's process may take this time (s) to import its modules."""
+BUSY = 10
+"""The grader itself is ended after so many times the limits of all functions.
+
+The limits that decide on marks do not count the time in which a process waits for a processor.
+"""
+
+
 def _timeout(request: Reply) -> float:
     """The seconds after which a grader is ended, whatever it does."""
     return BUSY * (2 * request["seconds"] * len(request["requested"]) + STARTUP_SECONDS)
+
+
+PROJECT = str(Path(__file__).parents[3])
+PASSED_ON = ("PATH", "HOME", "SYSTEMROOT", "LD_LIBRARY_PATH", "LANG")
+"""The environment variables that the grader's process gets."""
+LIBRARIES = ("OPENBLAS", "OMP", "MKL", "BLIS")
+ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in LIBRARIES}
+CHILD = [sys.executable, "-B", "-P", "-m", "numpy_cae.confined", "numpy_cae.verify.grading.sandbox"]
 
 
 def _answer_of_process(request: str, folder: str, timeout: float) -> tuple[str, str]:
@@ -310,6 +312,13 @@ def _answer_of_process(request: str, folder: str, timeout: float) -> tuple[str, 
     return lines[-1], problem
 
 
+SILENT_SECONDS = 60.0
+"""A grader that says nothing for so long (s) was stopped, and is ended. It says that it runs once a
+second; a machine with sixty processes a processor is not silent for longer."""
+LOOK_SECONDS = 2.0
+"""So often it is looked whether a grader says something."""
+
+
 def _wait(exchanging: Thread, lines: list[str], timeout: float) -> str:
     """Wait for the end of an exchange; why the process has to be ended before, or "".
 
@@ -327,6 +336,9 @@ def _wait(exchanging: Thread, lines: list[str], timeout: float) -> str:
         if time.monotonic() - begun > timeout:
             return f"its grading took more than {timeout:.0f} s"
     return ""
+
+
+BUBBLEWRAP = "bwrap --ro-bind / / --dev /dev --proc /proc --unshare-all --die-with-parent".split()
 
 
 @functools.cache

@@ -19,10 +19,6 @@ from numpy_cae.confined.confinement import SECCOMP
 from numpy_cae.confined.program import Program
 from numpy_cae.confined.template import Template
 
-MOST_WRITTEN = 2**26
-"""All files of a process together may have at most so many bytes."""
-LEAST_FILE = 2**12
-"""A file counts as at least so many bytes, an empty one too."""
 NO_RESULT = "its process sent what is no result: the file has changed how it answers"
 CRASHED = "its process ended: it crashed, or ended itself"
 OUT_OF_TIME = "it used up its CPU time: an endless loop?"
@@ -215,6 +211,12 @@ def _schedule(path: str) -> tuple[float, float]:
     except (OSError, ValueError):  # not Linux, or it has ended
         return 0.0, 0.0
     return int(worked) / 1e9, int(waited) / 1e9
+
+
+MOST_WRITTEN = 2**26
+"""All files of a process together may have at most so many bytes."""
+LEAST_FILE = 2**12
+"""A file counts as at least so many bytes, an empty one too."""
 
 
 def _written(folder: Path) -> int:

@@ -53,40 +53,8 @@ from numpy_cae.verify.operations.upstream import (
 )
 from numpy_cae.verify.operations.values import LAYOUTS, ORDINARY, THE_SAME
 
-FLOAT32 = float(np.finfo(np.float32).eps)
-POINTS = 2
-"""The points of the value and of each gradient; every other property has one."""
-
-
 MakePairs = Callable[[Operation, Callable, Case], Pairs]
 """(operation, implementation, case) -> pairs to be compared."""
-
-
-HISTORIES = 16
-"""Independence is tried on at least so many cases, each of which is ten calls or more."""
-LAYOUT: dict[str, tuple] = {"layout": tuple(LAYOUTS)}
-WRITABLE: dict[str, tuple] = {"layout": tuple(LAYOUTS)[:-2]}
-"""The layouts in which a function can alter what it is given."""
-VIEWS: dict[str, tuple] = {
-    "layout": tuple(LAYOUTS)[1:],
-    "values": (ORDINARY, "random", "ties"),
-}
-"""The layouts of views, and classes of values that show which entry was read."""
-SIMILAR_SIZES: dict[str, tuple] = {
-    "values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")
-}
-"""Classes whose entries are of similar size, so that rounding of large ones hides no small one."""
-TIED: dict[str, tuple] = {
-    "values": ("ties", "signed zeros", "equal slices", "symmetric", "constant", THE_SAME)
-}
-"""Classes of values with equal entries."""
-VALUE_STATEMENT = "the value is that of the definition, loop by loop"
-TIES = "along directions that keep equal entries equal, the gradients give the slope of the value"
-LINEAR = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
-LAID_OUT = "views in any memory order, or that cannot be written, give the same as copies"
-PRECISE = "float32 stays float32, with its precision, float64 likewise"
-PURE = "no argument and no upstream gradient is altered"
-INDEPENDENT = "a pullback called again returns the same, whatever was called in between"
 
 
 def shared_properties(operation: Operation) -> Iterator[Property]:
@@ -115,6 +83,35 @@ def shared_properties(operation: Operation) -> Iterator[Property]:
     yield replace(independence, examples=HISTORIES)
     if operation.has_right_gradients:
         yield _state_special_inputs(operation)
+
+
+POINTS = 2
+"""The points of the value and of each gradient; every other property has one."""
+HISTORIES = 16
+"""Independence is tried on at least so many cases, each of which is ten calls or more."""
+LAYOUT: dict[str, tuple] = {"layout": tuple(LAYOUTS)}
+WRITABLE: dict[str, tuple] = {"layout": tuple(LAYOUTS)[:-2]}
+"""The layouts in which a function can alter what it is given."""
+VIEWS: dict[str, tuple] = {
+    "layout": tuple(LAYOUTS)[1:],
+    "values": (ORDINARY, "random", "ties"),
+}
+"""The layouts of views, and classes of values that show which entry was read."""
+SIMILAR_SIZES: dict[str, tuple] = {
+    "values": (ORDINARY, "random", "ties", "large", "constant", "repeated slices")
+}
+"""Classes whose entries are of similar size, so that rounding of large ones hides no small one."""
+TIED: dict[str, tuple] = {
+    "values": ("ties", "signed zeros", "equal slices", "symmetric", "constant", THE_SAME)
+}
+"""Classes of values with equal entries."""
+VALUE_STATEMENT = "the value is that of the definition, loop by loop"
+TIES = "along directions that keep equal entries equal, the gradients give the slope of the value"
+LINEAR = "the pullback is linear: for 2 dy - 3 dy' it returns 2 and -3 times that of each"
+LAID_OUT = "views in any memory order, or that cannot be written, give the same as copies"
+PRECISE = "float32 stays float32, with its precision, float64 likewise"
+PURE = "no argument and no upstream gradient is altered"
+INDEPENDENT = "a pullback called again returns the same, whatever was called in between"
 
 
 def own_properties(operation: Operation) -> Iterator[Property]:
@@ -386,6 +383,9 @@ FLOAT32_ULPS = 64
 """A result of float32 may be off by so many roundings of float32."""
 OWN_ULPS = 1024
 """The same for an operation of one's own, whose terms may cancel."""
+
+
+FLOAT32 = float(np.finfo(np.float32).eps)
 
 
 def _error_of_float32(
