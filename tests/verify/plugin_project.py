@@ -49,7 +49,7 @@ class Linear:
 @verify.operation_test(shapes={"x": "batch"}, marks={"dtype": pytest.mark.xfail})
 def test_scaled(factor, x, two):
     assert BEGUN
-    scale = np.float64(factor * two)  # makes float64 of float32
+    scale = np.array([factor * two])  # makes float64 of float32
     return scale * x, lambda dy: scale * dy
 
 

@@ -5,6 +5,7 @@ import pytest
 from written_otherwise import RIGHT, conv1d_by_einsum, conv1d_by_fft, sliced_by_ranks
 
 from numpy_cae import verify
+from numpy_cae.verify.checks import mismatch
 from numpy_cae.verify.operations.case import Case
 from numpy_cae.verify.operations.operation_catalogue import CATALOGUE
 from numpy_cae.verify.operations.values import VALUES
@@ -60,3 +61,13 @@ def test_an_example_is_what_a_report_prints():
         verify.example("tanh", frames=2, seed=0)
     with pytest.raises(ValueError, match="tanh is not tried with small"):
         verify.example("tanh", seed=0, **sizes, values="small")
+
+
+@pytest.mark.parametrize("widens", [False, True])
+def test_a_scalar_has_no_dtype_to_lose_where_numpy_widens_scalars(widens, monkeypatch):
+    """Before NumPy 2, a scalar of float32 times a Python number is float64."""
+    monkeypatch.setattr(mismatch, "WIDENS_SCALARS", widens)
+    assert mismatch.has_dtype(np.float64(1.0), np.float32) == widens
+    assert not mismatch.has_dtype(np.ones(3), np.float32)
+    assert mismatch.has_dtype(np.ones(3, np.float32), np.float32)
+    assert mismatch.has_dtype(1.0, np.float32)

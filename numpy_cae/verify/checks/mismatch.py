@@ -22,6 +22,9 @@ REPEATED = "repeated"
 OVERWRITTEN = "overwritten"
 """The kinds of a mismatch."""
 
+WIDENS_SCALARS = (np.float32(1.0) * 1.0).dtype != np.float32
+"""Whether a scalar of float32 times a Python number is float64, as before NumPy 2."""
+
 
 @dataclass(eq=False)
 class Mismatch(AssertionError):
@@ -79,3 +82,11 @@ def kind_and_subject(error: BaseException) -> tuple[str, str]:
         if frames:
             place = f"line {frames[-1][1]}"
     return type(error).__name__, place
+
+
+def has_dtype(result: Any, dtype: Any) -> bool:
+    """Whether a result has a dtype. A Python number has none to lose, nor has a scalar where NumPy
+    widens scalars."""
+    if type(result) is float or (WIDENS_SCALARS and np.ndim(result) == 0):
+        return True
+    return bool(np.asarray(result).dtype == dtype)

@@ -17,6 +17,7 @@ from numpy_cae.verify.checks.mismatch import (
     DTYPE,
     OVERWRITTEN,
     Mismatch,
+    has_dtype,
     require_finite,
     require_shape,
 )
@@ -443,9 +444,9 @@ def _largest_difference(first: Any, second: Any) -> float:
 
 
 def _require_dtype(subject: str, result: Any, dtype: type) -> None:
-    """Raise a Mismatch unless an array has this dtype; a Python number has none to lose."""
-    actual = np.asarray(result).dtype
-    if actual != dtype and type(result) is not float:
+    """Raise a Mismatch unless a result has this dtype (`has_dtype`)."""
+    if not has_dtype(result, dtype):
+        actual = np.asarray(result).dtype
         raise Mismatch(DTYPE, subject, f"given {np.dtype(dtype)}, {subject} is {actual}")
 
 
