@@ -137,8 +137,8 @@ def list_statements(claims: dict[str, list[Claim]]) -> str:
             lines += [f"Doubt: {statement['doubt']}.", ""]
         for claim in claims[key]:
             subject = f"{claim.of}: " if claim.of else ""
-            seeds = f" (seeds: {claim.seeds})" if claim.seeds else ""
-            lines.append(f"- {subject}**{claim.verdict}**{seeds}. {measured(claim)}")
+            seeds = f" (seeds: {claim.seeds})" if claim.seeds not in ("", "1") else ""
+            lines.append(f"- {subject}**{claim.verdict}**{seeds}: {measured(claim)}")
         parts.append("\n".join(lines))
     return "\n\n".join(parts)
 

@@ -62,9 +62,9 @@ def test_statements_are_listed_with_their_rule_and_verdicts(tmp_path, monkeypatc
         result_figures.keep(report)
     written = write_tables("<!-- statements -->\nstale\n<!-- end of statements -->")
     assert "stale" not in written and "Confirmed if bones, sliding" in written
-    assert "- best: **refuted** (seeds: 3). 15 cm; replayed: 1 cm." in written
+    assert "- best: **refuted** (seeds: 3): 15 cm; replayed: 1 cm." in written
     assert written.count("refuted") == 1  # the first study that judges a statement is listed
-    assert "- **confirmed**. 1.5 times that distance." in written
+    assert "- **confirmed**: 1.5 times that distance." in written
 
 
 @pytest.mark.parametrize("path", sorted(DOCS.rglob("*.md")), ids=lambda path: path.stem)
