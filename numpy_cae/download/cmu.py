@@ -3,12 +3,15 @@
     subjects/02/02.asf, subjects/02/02_01.amc     a skeleton and its takes
     search.php?subjectnumber=2                    a page that links a subject's files
 
-The site publishes no checksums. The first download of a file is therefore not checked; its SHA-256
-is written to `checksums.txt` in the folder. Every file that is listed there is compared with its
-checksum when it is used or downloaded again. A teacher can give students this file, which has two
-columns, the name of a file of the database and its checksum.
+The site publishes no checksums, and the package has none. The first download of a file is therefore
+only checked for having what every .asf or .amc file has (`SIGNS`); its SHA-256 is written to
+`checksums.txt` in the folder. At the next run every file that is listed there is compared with its
+checksum: one that is there and differs is kept, and one that is downloaded again and differs is not
+written; both are errors. A teacher can give students this file, which has two columns, the name of
+a file of the database and its checksum.
 """
 
+import hashlib
 import re
 import time
 from collections.abc import Sequence
@@ -90,7 +93,9 @@ def download_cmu(
                 if show_progress:
                     to_go = time_to_go(line.seconds, number / len(downloads.urls))
                     line.show(f"{number} of {len(downloads.urls)} files{to_go}")
-                if not (folder / name).exists():
+                if (folder / name).exists():
+                    _require_checksum(folder / name, downloads.registry[name])
+                else:
                     time.sleep(PAUSE)
                 path = downloads.fetch(name, downloader=_download)
                 downloads.registry[name] = downloads.registry[name] or pooch.file_hash(path)
@@ -99,6 +104,15 @@ def download_cmu(
     finally:
         _write_checksums(folder / CHECKSUMS, downloads.registry)
     return [folder / name for name in downloads.urls]
+
+
+def _require_checksum(path: Path, checksum: str | None) -> None:
+    """Raise ValueError if a file is not the one of its checksum: `pooch` would replace it."""
+    if checksum is None:
+        return
+    if hashlib.sha256(path.read_bytes()).hexdigest() != checksum.removeprefix("sha256:"):
+        advice = "remove the file, or its line there, to go on"
+        raise ValueError(f"{path}: differs from its checksum in {CHECKSUMS}; {advice}")
 
 
 def _download(url: str, output: str, registry: object) -> None:

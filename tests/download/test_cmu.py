@@ -114,6 +114,16 @@ def test_checksums_are_written_as_other_files_are(site, tmp_path, run):
     assert (tmp_path / "kept.txt").read_text().count(".a") == 2
 
 
+def test_a_file_that_was_edited_is_kept(site, tmp_path, run, error_of):
+    words = ["download", "cmu", "--subjects", 7, "-o", tmp_path / "cmu", "--site", site[1]]
+    run(*words, "--quiet")
+    take = tmp_path / "cmu" / "07" / "07_01.amc"
+    take.write_text("# mine\n" + take.read_text())
+    edited = take.read_bytes()
+    assert "07_01.amc: differs from its checksum" in error_of(*words, "--quiet")
+    assert take.read_bytes() == edited
+
+
 def test_problems_are_said(site, tmp_path, monkeypatch, error_of):
     words = ["download", "cmu", "-o", tmp_path / "cmu", "--site"]
     assert "404" in error_of(*words, f"{site[1]}/none", "--subjects", 9)
