@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from data_synth import draw_body, make_take
@@ -215,3 +216,27 @@ def test_a_stance_ends_where_a_foot_changes_its_place():
 def test_frames_that_are_dropped_twice_in_a_row_are_no_cut():
     motion = clip("run")
     assert find_cuts(View(motion.at(np.r_[:40, [39] * 8, [48] * 6, 54:90]))) == []
+
+
+def test_fast_hops_on_a_smooth_curve_stay():
+    """At 30 frames a second they look like jumps; at the 120 of the file they are a curve."""
+    motion = make_take("idle", 2, seconds=4.0, rate=120.0).motion
+    seconds = np.arange(480) / 120.0
+    hops = np.where(seconds > 1.0, 0.3 * np.abs(np.sin(4.8 * np.pi * (seconds - 1.0))), 0.0)
+    motion.translations[:, 0, 1] += gaussian_filter1d(hops, 2.0)
+    assert repair_motion(motion).moved.max() == 0.0
+
+
+def test_a_wrist_that_jumps_within_a_thirtieth_of_a_second_is_mended():
+    """In steps of the file it moves on a line for four frames, and back."""
+    motion = make_take("idle", 2, seconds=4.0, rate=120.0).motion
+    wrist = motion.skeleton.index("lwrist")
+    away = np.interp(np.arange(480), [236, 240, 244], [0.0, 0.3, 0.0], left=0.0, right=0.0)
+    damaged = replace(motion, translations=motion.translations.copy())
+    damaged.translations[:, wrist, 0] += away
+    repaired = repair_motion(damaged)
+    errors = [
+        x.positions()[236:245, wrist] - motion.positions()[236:245, wrist]
+        for x in (damaged, repaired.motion)
+    ]
+    assert np.abs(errors[1]).max() < 0.3 * np.abs(errors[0]).max()
