@@ -231,3 +231,17 @@ def test_an_animal_with_a_persons_names_is_doubted():
     dog.skeleton.offsets[legs] = dog.skeleton.offsets[legs][:, [0, 2, 1]]  # square to the trunk
     dog = replace(dog, translations=np.tile(dog.skeleton.offsets, (4, 1, 1)))
     assert "is this a person? neither the rest pose nor most" in recognise_rig(dog).note
+
+
+def test_an_animal_with_a_joint_at_its_hips_is_refused():
+    dog = person(str)
+    legs = [n for n, joint in enumerate(JOINTS) if joint.endswith(("knee", "ankle", "toe"))]
+    dog.skeleton.offsets[legs] = dog.skeleton.offsets[legs][:, [0, 2, 1]]  # square to the trunk
+    spine = JOINTS.index("spine")
+    dog.skeleton.offsets[spine + 1] += dog.skeleton.offsets[spine]
+    dog.skeleton.offsets[spine] = 0.0
+    dog = replace(dog, translations=np.tile(dog.skeleton.offsets, (4, 1, 1)))
+    recognised = recognise_rig(dog)
+    assert "rig not recognised: neither the rest pose nor most" in recognised.note
+    with pytest.raises(UnknownRigError):
+        rig_of(recognised)

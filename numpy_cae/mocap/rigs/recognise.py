@@ -37,6 +37,9 @@ _FEW = 4
 MIRRORED = "the toes point backwards: are left and right exchanged, or is the file a mirror image?"
 """The note on a rig of a known person whose left side is to the right of where the toes point."""
 
+NOT_UPRIGHT = "neither the rest pose nor most others are upright"
+"""The doubt about a rig, such as an animal's, of which no pose is a standing person's."""
+
 
 def recognise_rig(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     """The motion with its rig, and with those of the twenty joints added that the rig lacks.
@@ -64,6 +67,8 @@ def recognise_rig(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     if not find_order_problem(completed):
         # An animal's rig may have a person's names.
         doubt = "" if mapping else find_doubt(completed)
+        if doubt == NOT_UPRIGHT and _has_spine_at_hips(by_names):
+            return _add_note(by_names, f"rig not recognised: {doubt}", in_doubt=True)
         if doubt:
             return _add_note(completed, f"is this a person? {doubt}", in_doubt=True)
         if is_mirrored(completed):
@@ -81,6 +86,14 @@ def recognise_rig(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     if proposed is not None and len(completed.rig.indices) < len(JOINTS):
         return _add_note(completed, f"rig not recognised: {doubt}", in_doubt=True)
     return completed
+
+
+def _has_spine_at_hips(motion: RiggedMotion) -> bool:
+    """Whether a rig has no spine but joints at the place of the hips that carry the chest."""
+    indices = motion.rig.indices
+    if "spine" in indices or "chest" not in indices:
+        return False
+    return motion.skeleton.parents[indices["chest"]] != indices["hips"]
 
 
 def _propose_rig(by_names: RiggedMotion, names: JointNames) -> tuple[RiggedMotion | None, str]:
@@ -284,7 +297,7 @@ def find_doubt(motion: RiggedMotion) -> str:
     if not problem:
         problem = _find_length_problem(at, np.median(frame_lengths(body), axis=0))
     if not problem and not _is_usual(_stands(at)):
-        problem = "neither the rest pose nor most others are upright"
+        problem = NOT_UPRIGHT
     return problem
 
 
