@@ -9,7 +9,7 @@ import signal
 import sys
 import time
 from pathlib import Path
-from subprocess import PIPE, Popen
+from subprocess import PIPE, Popen, run
 from threading import Thread
 
 import pytest
@@ -17,6 +17,7 @@ from hostile_actions import ACTIONS, BEGINNING, PATCHES
 
 import numpy_cae
 from numpy_cae.confined.confinement import has_filter, landlock_version
+from numpy_cae.confined.template import can_fork
 from numpy_cae.course import submitted_file
 from numpy_cae.course.catalogue import read_submission
 from numpy_cae.verify.grading import student_file, student_process
@@ -197,3 +198,10 @@ def test_processes_that_ran_before_the_grading_go_on(request_for):
     with Popen([sys.executable, "-c", "import sys; sys.stdin.read()"], stdin=PIPE) as earlier:
         reply_to(request_for(CONSTANT))
         assert earlier.poll() is None
+
+
+@pytest.mark.skipif(not can_fork(), reason="there is no template here")
+def test_what_a_file_has_started_ends_with_its_process(tmp_path):
+    program = Path(__file__).with_name("program_of_a_file.py")
+    output = run([sys.executable, program, tmp_path], capture_output=True, text=True, check=True)
+    assert output.stdout.split() == ["True", "False"]
