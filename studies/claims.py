@@ -59,7 +59,7 @@ QUICK_ACTIONS = ("walking", "waiting")
 """Actions of jang2018 with --quick: one that repeats itself and one that does not."""
 QUICK_STEPS = 40
 """Steps of training of jang2018 with --quick."""
-QUICK_POINTS = 8
+QUICK_POINTS = 4
 """Points of the curve of a training of jang2018 with --quick."""
 QUICK_CHOICES: dict[str, Any] = {"steps": 20, "minutes": 0.5, "names": QUICK_ACTIONS}
 """Steps, minutes and actions of the choices of jang2018 with --quick."""

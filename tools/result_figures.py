@@ -118,7 +118,7 @@ def kept_claims() -> dict[str, list[Claim]]:
             continue
         of_study: dict[str, list[Claim]] = {}
         for kept in json.loads(path.read_text(encoding="utf-8"))["claims"]:
-            claim = Claim(**{name: kept[name] for name in fields})
+            claim = Claim(**{name: kept[name] for name in fields if name in kept})
             of_study.setdefault(claim.key, []).append(claim)
         claims = of_study | claims
     return claims
