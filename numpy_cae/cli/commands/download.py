@@ -1,9 +1,9 @@
 """Download Acclaim files (.asf, .amc) of the Carnegie Mellon Graphics Lab Motion Capture Database.
 Files that the folder already has are kept. The site publishes no checksums, and the package has
 none: of the first download of a file only the form is checked, and the site does not encrypt (its
-address begins with http). The file's SHA-256 is written to checksums.txt in the folder; a file there
-or a later download that does not agree with it is refused. Put the checksums.txt of somebody whom
-you trust into the folder to have the first download checked, too.
+address begins with http). The file's SHA-256 is written to checksums.txt in the folder; a file
+there or a later download that does not agree with it is refused. Put the checksums.txt of somebody
+whom you trust into the folder to have the first download checked, too.
 
 example: numpy-cae download cmu --subjects 2,7,35 -o cmu
 """
