@@ -237,6 +237,16 @@ def test_clips_of_a_file_are_written_by_themselves(tmp_path, monkeypatch, capsys
         assert part[-90:] == lines[90 * number - 90 : 90 * number]
 
 
+def test_no_clip_is_written_if_one_would_replace_the_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_bvh(join_motions(clip("punch"), clip("walk", 2)), "clips.bvh", unit=0.01)
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "clips_2.bvh").symlink_to(tmp_path / "clips.bvh")
+    assert main("edit clips.bvh -o parts --split".split()) == 2
+    assert "is the file that is read" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "parts").iterdir()] == ["clips_2.bvh"]
+
+
 def test_a_file_without_a_cut_is_one_clip():
     motion = clip("walk")
     assert split_at_cuts(motion) == [motion]

@@ -15,6 +15,7 @@ examples, with the files that `numpy-cae demo` writes:
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from numpy_cae.atomic_write import make_folder
@@ -81,13 +82,9 @@ def run(args: argparse.Namespace) -> int:
     _require_suitable(args)
     motion = load_motion(args.file, **arguments.reading(args))
     if args.split:
-        clips = split_at_cuts(motion)
-        make_folder(args.output)
-        suffix = args.file.suffix if args.file.suffix.lower() in KEPT_SUFFIXES else ".bvh"
-        for number, clip in enumerate(clips, start=1):
-            _write(args, clip, args.output / f"{args.file.stem}_{number}{suffix}")
-        return 0
-    _write(args, _edit(args, motion), args.output)
+        _write_clips(args, split_at_cuts(motion))
+    else:
+        _write(args, _edit(args, motion), args.output)
     return 0
 
 
@@ -109,6 +106,19 @@ def _edit(args: argparse.Namespace, motion: Motion) -> Motion:
     if args.feet:
         return hold_standing_feet(motion, args.joint or TOES, args.frames)
     return motion  # its angles are changed where it is written
+
+
+def _write_clips(args: argparse.Namespace, clips: Sequence[Motion]) -> None:
+    """Write each clip into the folder; none if one would replace the file that was read."""
+    make_folder(args.output)
+    suffix = args.file.suffix if args.file.suffix.lower() in KEPT_SUFFIXES else ".bvh"
+    numbers = range(1, len(clips) + 1)
+    paths = [args.output / f"{args.file.stem}_{number}{suffix}" for number in numbers]
+    if not args.overwrite:
+        for path in paths:
+            arguments.require_not_read(path, [args.file])
+    for clip, path in zip(clips, paths, strict=True):
+        _write(args, clip, path)
 
 
 def _write(args: argparse.Namespace, motion: Motion, path: Path) -> None:
