@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING
 
+from numpy_cae.evaluation.tables import COMPLETED, GAUSSIAN, LINEAR, NETWORK, PROCESS, SPLINE
 from studies.shared.result import Table
 
 if TYPE_CHECKING:
@@ -23,11 +24,12 @@ BLUE = "#3f83cf"
 GREEN = "#3f9a4b"
 PURPLE = "#9a6bc2"
 METHODS = {
-    "zeros: linear map of 15 frames": ("linear map, zeros", ORANGE, "--"),
-    "zeros: network": ("network, zeros", BLUE, "--"),
-    "mask: limited cubic spline": ("spline, mask given", GREEN, "-"),
-    "mask: Gaussian of 15 frames": ("Gaussian, mask given", ORANGE, "-"),
-    "mask: completed by the manifold": ("network, mask given", BLUE, "-"),
+    LINEAR: ("linear map, zeros", GREY, "--"),
+    NETWORK: ("network, zeros", BLUE, "--"),
+    SPLINE: ("spline, mask given", GREEN, "-"),
+    PROCESS: ("Gaussian process, mask given", PURPLE, "-"),
+    GAUSSIAN: ("Gaussian, mask given", ORANGE, "-"),
+    COMPLETED: ("complete, mask given", BLUE, "-"),
 }
 """Row of the table to its label, colour and style in the chart of errors."""
 PARTS = {"wrist": ORANGE, "arm": PURPLE, "leg": BLUE, "whole body": GREEN}
