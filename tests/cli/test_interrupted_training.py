@@ -95,6 +95,7 @@ def test_killed_at_random_moments(walks, whole, tmp_path, options, times):
         if out.exists():
             assert same(out, whole)
             out.unlink()
+            out.with_suffix(".png").unlink(missing_ok=True)
     assert main(["train", str(walks), "-o", str(out), *options, "--resume"]) == 0
     assert same(out, whole)
     # What killed runs left is removed; the picture is that of the losses.
