@@ -80,8 +80,8 @@ def count_kinks(view: View) -> int:
     """In how many frames a joint stops, starts or turns back from one step to the next.
 
     Feet do so on the floor now and then; in noise joints do so all the time. Beside a pose that is
-    repeated, as in animation on twos, nothing counts. The constants are those by which a stranger
-    counted the jumps of other people's files (docs/lab_book/evidence.md).
+    repeated, as in animation on twos, nothing counts. docs/lab_book/evidence.md counts the kinks of
+    many files with these constants.
 
     Examples
     --------
