@@ -16,16 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from numpy_cae import ops
-from numpy_cae.array_file import save_arrays
 from numpy_cae.evaluation import angle_distance
 from numpy_cae.evaluation.tables import Table
-from numpy_cae.manifold import SequenceManifold, learn_sequences, load_manifold
+from numpy_cae.manifold import SequenceManifold, learn_sequences
 from numpy_cae.mocap import body_positions
 from numpy_cae.motion import cut_clips
 from numpy_cae.training import SequenceSchedule, TrainingState, train_sequential, unit_directions
 from studies.jang2018.actions import Action
 from studies.jang2018.mmd import MmdEngine
-from studies.shared.messages import note
 from studies.shared.result import Claim, Picture, Result
 from studies.shared.trained import Trainer
 
@@ -123,21 +121,19 @@ def learn_study(
     **network: int,
 ) -> Study:
     """`train_study`, or what the trainer keeps of the same takes and arguments."""
+
+    def train() -> SequenceManifold:
+        study = train_study(action, schedule, seed, trainer.report, mmd, points, **network)
+        study.manifold.settings["curve"] = {
+            name: values.tolist() for name, values in study.curve.items()
+        }
+        return study.manifold
+
     takes = [sequence.numbers for sequence in (*action.training, *action.testing)]
     counts = (len(action.training), len(action.testing))
-    path = trainer.path_of(*takes, counts, schedule, seed, mmd, points, network)
-    if path is None:
-        return train_study(action, schedule, seed, trainer.report, mmd, points, **network)
-    curve_path = path.with_suffix(".curve.npz")
-    if not path.is_file():
-        study = train_study(action, schedule, seed, trainer.report, mmd, points, **network)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        save_arrays(study.curve, curve_path)
-        study.manifold.save(path)
-        note(f"the network is kept: {path}")
-    manifold = load_manifold(path)
-    with np.load(curve_path) as curve:
-        return Study(action, manifold, dict(curve))
+    manifold = trainer.keep(train, *takes, counts, schedule, seed, mmd, points, network)
+    curve = manifold.settings["curve"]
+    return Study(action, manifold, {name: np.array(values) for name, values in curve.items()})
 
 
 def discrepancy(z: np.ndarray, rng: np.random.Generator) -> float:

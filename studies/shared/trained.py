@@ -13,14 +13,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 import numpy_cae
-from numpy_cae.manifold import MotionManifold, learn_manifold, load_manifold
+from numpy_cae.manifold import (
+    MotionManifold,
+    SequenceManifold,
+    learn_manifold,
+    load_manifold,
+)
 from numpy_cae.training import Schedule, TrainingState
 from studies.shared.messages import note
+
+Manifold = TypeVar("Manifold", MotionManifold, SequenceManifold)
 
 
 @dataclass(frozen=True)
@@ -50,23 +57,17 @@ class Trainer:
             network,
         )
 
-    def keep(self, train: Callable[[], MotionManifold], *settings: object) -> MotionManifold:
+    def keep(self, train: Callable[[], Manifold], *settings: object) -> Manifold:
         """What `train` returns, or what it returned when the settings were the same."""
-        path = self.path_of(*settings)
-        if path is None:
+        if self.folder is None:
             return train()
+        path = self.folder / f"{hash_of(settings)}.npz"
         if not path.is_file():
             manifold = train()
             path.parent.mkdir(parents=True, exist_ok=True)
             manifold.save(path)
             note(f"the network is kept: {path}")
         return load_manifold(path)
-
-    def path_of(self, *settings: object) -> Path | None:
-        """The file of a network that was trained with these settings; None without a folder."""
-        if self.folder is None:
-            return None
-        return self.folder / f"{hash_of(settings)}.npz"
 
 
 def hash_of(settings: Sequence[object]) -> str:
