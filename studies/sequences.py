@@ -1,10 +1,10 @@
 """All results of jang2018: figures 2 and 3, reconstruction, the regulariser.
 
-The network is trained on each action, with its regulariser, with MMD instead (`jang2018.mmd`), and
-without (λ = 0). Without --data the
-motions are synthetic, made by `data_synth`. The network, which writes a clip in a few numbers, is
-compared on clips that nothing was trained on with principal components of as many numbers, the mean
-pose, the first pose, and the same network without its regulariser.
+The network is trained on each action with its regulariser, with MMD instead (`jang2018.mmd`) and
+without (λ = 0). Without --data the motions are synthetic, made by `data_synth`. The network writes
+a clip in a few numbers. On clips that nothing was trained on it is compared with principal
+components of as many numbers, the mean pose, the first pose, and the same network without its
+regulariser.
 """
 
 from collections.abc import Sequence
