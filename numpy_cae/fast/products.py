@@ -1,14 +1,11 @@
 """Many small matrix products at full speed: in pieces, and in arrays that start at a cache line.
 
-The sizes of the pieces hold for one kernel of one library, that for AVX-512 (SkylakeX) of the
-OpenBLAS in NumPy's wheels, on which they were measured. With another kernel or library the products
-are as correct, but other pieces may be faster.
-
 BLAS copies the factors of a large product into a layout of its own ("packing"). That is negligible
-beside n³ multiplications, and half of the work where one side has 30 rows. OpenBLAS omits the copy
-for products of up to a million multiplications: its kernels for small matrices then run at the
-peak, where the same product in one piece reaches half of it (measured at 30 rows by 128 by 256).
-So the products are cut. The values are the same sums; other BLAS libraries lose nothing.
+beside n³ multiplications, and half of the work where one side has 30 rows. OpenBLAS's kernel for
+AVX-512 omits the copy for products of up to a million multiplications: it then runs at the peak,
+where the same product in one piece reaches half of it (measured at 30 rows by 128 by 256). So with
+this kernel the products are cut. The values are the same sums. Kernels that always copy lose by the
+cut, that for Haswell up to half of the time of a step (docs/lab_book/engine.md).
 
 NumPy's large arrays start 16 bytes after a page, so that every second vector of 32 bytes, or each
 of 64, lies on two cache lines. In arrays that start at a cache line, sums and products of two
@@ -16,22 +13,28 @@ float32 arrays take 0.10 instead of 0.20 ns an element, and small matrix product
 time.
 """
 
+import sys
 import threading
 import weakref
 
 import numpy as np
 
-MAX_UNPACKED = 1_000_000
-"""A product of at most this many multiplications is not packed: a constant of OpenBLAS's kernel for
-SkylakeX (`sgemm_small_matrix_permit`)."""
+from numpy_cae.fast.thread_team import blas_kernel
 
-MAX_UNPACKED_TRANSPOSED = 1200
-"""A product with a transposed second factor is not packed if its result has at most this many
+OMITS_PACKING = blas_kernel() == "SkylakeX"
+"""Whether BLAS uses OpenBLAS's kernel for AVX-512, by the name of the first such processors."""
+
+MAX_UNPACKED = 1_000_000 if OMITS_PACKING else sys.maxsize
+"""A product of at most this many multiplications is one piece: with the kernel for AVX-512 those
+that are not packed (its constant `sgemm_small_matrix_permit`), with another one all."""
+
+MAX_UNPACKED_TRANSPOSED = 1200 if OMITS_PACKING else sys.maxsize
+"""A product with a transposed second factor is one piece if its result has at most this many
 elements: a constant of the same kernel."""
 
 ROWS = 24
-"""A piece has at most this many rows. OpenBLAS's kernels compute 4, 6 or 8 rows at a time, and a
-piece of another height is up to twice as slow. Measured on the kernel for SkylakeX alone."""
+"""A piece has at most this many rows. The kernel computes 4, 6 or 8 rows at a time, and a piece of
+another height is up to twice as slow."""
 
 COLUMNS = 512
 """A piece has at most this many columns; wider pieces leave the first level of the cache. Measured

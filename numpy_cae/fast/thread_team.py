@@ -51,7 +51,10 @@ def blas_kernel() -> str:
     """The name of the kernels that OpenBLAS uses on this processor, such as "SkylakeX"; "unknown"
     for another BLAS."""
     for path in _library_paths():
-        library = ctypes.CDLL(str(path))
+        try:
+            library = ctypes.CDLL(str(path))
+        except OSError:
+            continue
         for name in FUNCTION_NAMES:
             read = getattr(library, name.format("get_corename"), None)
             if read is not None:
