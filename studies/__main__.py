@@ -9,6 +9,7 @@ import platform
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from importlib import import_module
 from itertools import takewhile
@@ -21,6 +22,7 @@ import scipy
 import numpy_cae
 from numpy_cae.atomic_write import atomic_write, make_folder, replacing, require_free
 from numpy_cae.errors import NumpyCaeError
+from numpy_cae.fast.thread_team import one_blas_thread
 from studies.shared.messages import note
 from studies.shared.options import LISTED, OPTIONS, Inputs, add_options, parameters
 from studies.shared.result import CONFIRMED, Result, data, png, report, text, write_moving
@@ -28,6 +30,8 @@ from studies.shared.result import CONFIRMED, Result, data, png, report, text, wr
 HERE = Path(__file__).parent
 NAMES = sorted(path.stem for path in HERE.glob("[!_]*.py"))
 """The studies, which are the modules beside this one."""
+TIMED = "studies.speed"
+"""The study that chooses the threads of BLAS by itself; all others use one."""
 Errors = (NumpyCaeError, ValueError, ArithmeticError, OSError)
 """What a study raises where it cannot be run with these options or files."""
 
@@ -106,7 +110,9 @@ def measure(module: ModuleType, inputs: Inputs) -> Result:
     arguments = inputs.of(module.run)
     start = time.monotonic()
     processor_start = time.process_time()
-    result = module.run(**arguments)
+    # A second thread of BLAS waits actively after each small product.
+    with nullcontext() if module.__name__ == TIMED else one_blas_thread():
+        result = module.run(**arguments)
     seconds = time.monotonic() - start
     processor_seconds = time.process_time() - processor_start
     measured = {"time": f"{seconds:.0f} s, {processor_seconds:.0f} s of the processor"}

@@ -26,6 +26,7 @@ from numpy_cae.manifold import MotionManifold, load_manifold
 from numpy_cae.training import SEQUENCE_RECIPES, recipe
 from studies import interpolation, sequence_choices, sequences
 from studies.jang2018.actions import ACTIONS, synthetic_action
+from studies.jang2018.samples import REPEATS
 from studies.jang2018.training import CURVE_POINTS
 from studies.shared.judging import agreed
 from studies.shared.material import Material, evenly, read_material
@@ -61,6 +62,8 @@ QUICK_STEPS = 40
 """Steps of training of jang2018 with --quick."""
 QUICK_POINTS = 4
 """Points of the curve of a training of jang2018 with --quick."""
+QUICK_REPEATS = 2
+"""Measurements of a discrepancy with --quick."""
 QUICK_CHOICES: dict[str, Any] = {"steps": 20, "minutes": 0.5, "names": QUICK_ACTIONS}
 """Steps, minutes and actions of the choices of jang2018 with --quick."""
 HOLDEN2015 = "holden2015"
@@ -302,15 +305,18 @@ def judge_sequences(seed: int, trainer: Trainer, quick: bool, seeds: int) -> lis
     """The claims of jang2018 on synthetic actions."""
     schedule = SEQUENCE_RECIPES["fast"]
     points = CURVE_POINTS
+    repeats = REPEATS
     names = QUICK_ACTIONS if quick else ACTIONS
     if quick:
         schedule = replace(schedule, epochs=10, steps=QUICK_STEPS // 10)
         points = QUICK_POINTS
+        repeats = QUICK_REPEATS
     of_seeds = []
     for number in range(seed, seed + seeds):
         note(f"sequences, seed {number}")
         actions = [synthetic_action(kind, SEQUENCE_MINUTES[quick], number) for kind in names]
-        of_seeds.append(sequences.run(actions, schedule, {}, number, trainer, points).claims)
+        result = sequences.run(actions, schedule, {}, number, trainer, points, repeats)
+        of_seeds.append(result.claims)
     judged = [JudgedClaim(BOTH, of_claim) for of_claim in zip(*of_seeds, strict=True)]
     choices = sequence_choices.run(seed, seeds, **(QUICK_CHOICES if quick else {}))
     return judged + [JudgedClaim(BOTH, [claim]) for claim in choices.claims]

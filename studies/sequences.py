@@ -20,7 +20,16 @@ from numpy_cae.evaluation.tables import (
 from numpy_cae.training import SequenceSchedule
 from studies.jang2018 import training
 from studies.jang2018.actions import Action
-from studies.jang2018.samples import COLOURS, MMD, NONE, SLICED, figure_3, regulariser, samples
+from studies.jang2018.samples import (
+    COLOURS,
+    MMD,
+    NONE,
+    REPEATS,
+    SLICED,
+    figure_3,
+    regulariser,
+    samples,
+)
 from studies.jang2018.training import Study, figure_2
 from studies.shared.messages import note
 from studies.shared.result import Claim, Result, combined
@@ -41,12 +50,13 @@ def run(
     seed: int = 0,
     trainer: Trainer | None = None,
     points: int = training.CURVE_POINTS,
+    repeats: int = REPEATS,
 ) -> Result:
     """Train on each action with each regulariser.
 
     The schedule's weight λ is that of the regulariser. `train_study` is given `seed` and, as
     arguments for the network, `sizes`. The trainer keeps what is trained. The curves have about so
-    many points.
+    many points, and a discrepancy is the mean of so many measurements.
     """
     trainer = trainer or Trainer()
 
@@ -65,7 +75,7 @@ def run(
         figure_2(studies),
         measure_reconstruction(studies, seed),
         samples(studies, seed),
-        regulariser(trained, seed),
+        regulariser(trained, seed, repeats),
     ]
     figures = {}
     for study in studies:

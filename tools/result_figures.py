@@ -9,19 +9,25 @@ and writes them into docs/results.md and the lab book, between lines such as
     <!-- table damage 0 -->
     <!-- end of table -->
 
-or, with its rows as columns, <!-- table damage 0 transposed -->. The statements of both papers,
-with the claims that are kept of the studies `claims`, `sequences` and `sequence_choices`, are
-written between
+or, with its rows as columns, <!-- table damage 0 transposed -->. With --name NAME a report of one
+study is kept in docs/tables/NAME.json: speed_haswell of another machine, claims_jang2018 of one
+paper. The statements of both papers, with the claims that are kept of the studies `claims`,
+`sequences` and `sequence_choices`, are written between
 
     <!-- statements -->
     <!-- end of statements -->
 
+and the ratios of the study `speed` on all machines that are kept, with one thread, between
+
+    <!-- ratios on 1 thread -->
+    <!-- end of ratios -->
+
 Without a report the charts and tables are made again from what is kept.
 """
 
+import argparse
 import json
 import re
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -48,8 +54,18 @@ TABLE = re.compile(
 whether its rows are columns."""
 STATEMENTS_PLACE = re.compile(r"(<!-- statements -->\n).*?(<!-- end of statements -->)", re.DOTALL)
 """Where a document has the statements of both papers."""
-JUDGES = ("claims", "sequences", "sequence_choices")
-"""Studies whose claims are listed: a statement has those of the first one that judges it."""
+JUDGES = ("claims_holden2015", "claims_jang2018", "claims", "sequences", "sequence_choices")
+"""Reports whose claims are listed: a statement has those of the first one that judges it."""
+RATIOS_PLACE = re.compile(
+    r"(<!-- ratios on (\d+) threads? -->\n).*?(<!-- end of ratios -->)", re.DOTALL
+)
+"""Where a document has the ratios of speed on several machines, with so many threads."""
+MACHINES = {
+    "speed": "AMD EPYC",
+    "speed_intel": "Intel Xeon",
+    "speed_haswell": "Intel Xeon, kernels for Haswell",
+}
+"""Reports of the study `speed`, and what the columns of their ratios are called."""
 DPI = 150
 
 
@@ -72,14 +88,16 @@ def kept_tables(study: str) -> list[Table]:
     return [Table(**table) for table in kept["tables"]]
 
 
-def keep(report: Path) -> None:
-    """Write the tables and the provenance of each study of a report to docs/tables."""
+def keep(report: Path, file_name: str = "") -> None:
+    """Write the tables and the provenance of each study of a report to docs/tables, in a file that
+    has the name of the study unless one is given."""
     for study, result in json.loads(report.read_text(encoding="utf-8")).items():
         kept = {name: result[name] for name in ("title", "tables", "provenance")}
-        if study in JUDGES:
+        if result["claims"] and (file_name or study) in JUDGES:
             kept["claims"] = result["claims"]
         text = json.dumps(kept, indent=1, ensure_ascii=False)
-        (DOCS / "tables" / f"{study}.json").write_text(text + "\n", encoding="utf-8")
+        path = DOCS / "tables" / f"{file_name or study}.json"
+        path.write_text(text + "\n", encoding="utf-8")
 
 
 def draw_all() -> None:
@@ -101,11 +119,34 @@ def write_tables(document: str) -> str:
             kept = replace(kept, header=columns[0], rows=columns[1:])
         return found[1] + kept.text() + "\n" + found[5]
 
+    def ratios(found: re.Match) -> str:
+        return f"{found[1]}{ratios_on_machines(int(found[2])).text()}\n{found[3]}"
+
     written = TABLE.sub(table, document)
+    written = RATIOS_PLACE.sub(ratios, written)
     if STATEMENTS_PLACE.search(written):
         listed = list_statements(kept_claims())
         written = STATEMENTS_PLACE.sub(lambda place: f"{place[1]}{listed}\n{place[2]}", written)
     return written
+
+
+def ratios_on_machines(threads: int) -> Table:
+    """PyTorch's time by ours, the median of the rounds and in brackets its quartiles, for each case
+    of the study `speed` and each machine."""
+    ending = f", {threads} {'thread' if threads == 1 else 'threads'}:"
+    rows: dict[tuple[str, int], list[str]] = {}
+    for name in MACHINES:
+        for table in kept_tables(name):
+            if not table.caption.endswith(ending):
+                continue
+            of_clips = "hidden units" in str(table.rows[0][0])
+            for row in table.rows:
+                case = f"step, {row[0]}" if of_clips else row[0]
+                quartiles = row[table.header.index("ratio, quartiles")]
+                ratio = f"{row[table.header.index('ratio')]:.2f} ({quartiles})"
+                rows.setdefault((case, row[1]), []).append(ratio)
+    listed = [[*case, *ratios] for case, ratios in rows.items()]
+    return Table("", ["what", "windows or clips", *MACHINES.values()], listed)
 
 
 def kept_claims() -> dict[str, list[Claim]]:
@@ -154,7 +195,11 @@ def write_all() -> None:
 
 
 if __name__ == "__main__":
-    for argument in sys.argv[1:]:
-        keep(Path(argument))
+    parser = argparse.ArgumentParser(description="Keep what studies measured, and show it.")
+    parser.add_argument("reports", nargs="*", type=Path, help="report.json of a study")
+    parser.add_argument("--name", default="", help="the name under which a report is kept")
+    args = parser.parse_args()
+    for report in args.reports:
+        keep(report, args.name)
     draw_all()
     write_all()

@@ -242,7 +242,9 @@ NONE = "none, λ = 0"
 REGULARISERS = ("regulariser", "mean square", "to the prior", "of two draws", "distinguished")
 
 
-def regulariser(trained: dict[str, Sequence[Study]], seed: int = 0) -> Result:
+def regulariser(
+    trained: dict[str, Sequence[Study]], seed: int = 0, repeats: int = REPEATS
+) -> Result:
     """Compare studies of the same actions, trained from one seed with each regulariser.
 
     The seed chooses the clips and draws of the discrepancies, which are sliced Wasserstein
@@ -255,10 +257,10 @@ def regulariser(trained: dict[str, Sequence[Study]], seed: int = 0) -> Result:
     ratios: dict[str, np.ndarray] = {}
     ratios_in_training: dict[str, np.ndarray] = {}
     for name, studies in trained.items():
-        distances = [_mean_discrepancy(study, seed) for study in studies]
+        distances = [_mean_discrepancy(study, seed, repeats) for study in studies]
         errors[name] = np.array([study.squared_error() for study in studies])
         ratios[name] = np.array(distances) / smallest
-        in_training = [_mean_discrepancy(study, seed, training=True) for study in studies]
+        in_training = [_mean_discrepancy(study, seed, repeats, True) for study in studies]
         ratios_in_training[name] = np.array(in_training) / smallest
         measured = zip(studies, errors[name], distances, ratios[name], strict=True)
         for study, error, distance, ratio in measured:
@@ -301,8 +303,8 @@ def prior_discrepancy(latent: int, seed: int = 0) -> float:
     return float(np.mean([discrepancy(rng.standard_normal(size), rng) for size in sizes]))
 
 
-def _mean_discrepancy(study: Study, seed: int, training: bool = False) -> float:
-    """Of `REPEATS` draws of held-out clips, or of training clips."""
+def _mean_discrepancy(study: Study, seed: int, repeats: int, training: bool = False) -> float:
+    """Of so many draws of held-out clips, or of training clips."""
     rng = np.random.default_rng(seed)
-    draws = [study.random_clips(CLIPS, seed + n, training) for n in range(REPEATS)]
+    draws = [study.random_clips(CLIPS, seed + n, training) for n in range(repeats)]
     return float(np.mean([discrepancy(study.manifold.network.encode(x), rng) for x in draws]))
