@@ -63,7 +63,7 @@ RATIOS_PLACE = re.compile(
 MACHINES = {
     "speed": "AMD EPYC",
     "speed_intel": "Intel Xeon",
-    "speed_haswell": "Intel Xeon, kernels for Haswell",
+    "speed_haswell": "Intel Xeon, for Haswell",
 }
 """Reports of the study `speed`, and what the columns of their ratios are called."""
 DPI = 150
