@@ -11,11 +11,10 @@ functions listed in `__all__` are defined in `numpy_cae.public`. Functions and p
 when they are first used.
 """
 
+import sys as _sys
 from importlib import import_module as _import_module
-from typing import TYPE_CHECKING
 
-from numpy_cae import notebook as _notebook
-
+TYPE_CHECKING = False  # as in `typing`, whose import takes longer than all of this file
 if TYPE_CHECKING:  # editors and type checkers learn here what __getattr__ imports
     from numpy_cae import (
         cleanup,
@@ -58,7 +57,10 @@ __all__ = [
 ]
 _FUNCTIONS = ("fill", "learn", "load", "project", "repair", "save", "show")
 
-_notebook.register()
+if "IPython" in _sys.modules:  # plain Python imports nothing more
+    from numpy_cae import notebook as _notebook
+
+    _notebook.register()
 
 
 def __dir__() -> list[str]:

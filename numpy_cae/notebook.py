@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -12,9 +11,7 @@ if TYPE_CHECKING:
 
 
 def register() -> None:
-    """Tell the running IPython how to display a Motion and a Repaired; do nothing without one."""
-    if "IPython" not in sys.modules:  # nothing is imported in plain Python
-        return
+    """Tell the running IPython how to display a Motion and a Repaired."""
     from numpy_cae.viz.viewer import running_shell
 
     shell = running_shell()

@@ -1,6 +1,7 @@
 """Mutated findings and rosters, and short clips at high rates: used, or refused in one line.
 
-pytest -m thorough tests/test_mutated_inputs.py
+pytest -m thorough tests/test_mutated_inputs.py takes two minutes of processor time: a clip 0.11 s,
+a mutated text 1 to 3 ms.
 """
 
 import json
@@ -58,7 +59,7 @@ def use_roster(path):
     roster.write(path.with_name("again.csv"), list(roster.students.values()))
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(3_000, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("count", [12, pytest.param(500, marks=pytest.mark.thorough)])
 def test_short_clips_at_high_rates(count):
     for number in range(count):
         rng = np.random.default_rng([3, number])

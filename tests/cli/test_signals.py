@@ -41,6 +41,35 @@ def test_an_ignored_interrupt_stays_ignored():
     assert ended.returncode == 2
 
 
+def test_little_is_imported_before_interrupts_are_handled():
+    """What is imported earlier ends in a traceback if Ctrl-C comes then."""
+    show = "import sys; import os, importlib; before = set(sys.modules); import numpy_cae.__main__"
+    show += "; print(*sorted(set(sys.modules) - before))"
+    program = [sys.executable, "-c", show]
+    ended = subprocess.run(program, capture_output=True, text=True, timeout=100)
+    assert ended.stdout.split() == ["numpy_cae", "numpy_cae.__main__"]
+
+
+@pytest.mark.parametrize("moment", ["while it says so", "after the command"])
+def test_an_interrupt_after_the_command_says_nothing(moment):
+    command = "raise KeyboardInterrupt" if moment == "while it says so" else "return 0"
+    program = f"""
+import os, signal
+import numpy_cae.cli
+from numpy_cae.__main__ import main
+def command():
+    {command}
+numpy_cae.cli.main = command
+status = main()
+os.kill(os.getpid(), signal.SIGINT)
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", HEAR + program], capture_output=True, text=True, timeout=100
+    )
+    assert ended.stderr == ""
+    assert ended.returncode == 130
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("number", range(40))
 def test_an_interrupt_at_any_moment_is_one_line(number, tmp_path):
@@ -49,10 +78,13 @@ def test_an_interrupt_at_any_moment_is_one_line(number, tmp_path):
 
     write_bvh(make_take("walk", 0, seconds=4.0, rate=30.0).motion, tmp_path / "walk.bvh")
     words = "repair walk.bvh -o out.bvh --html --findings found.json".split()
-    program = [sys.executable, "-m", "numpy_cae", *words]
-    with subprocess.Popen(program, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as process:
-        # Before Python has begun to run the package, nobody can handle a signal.
-        time.sleep(0.15 + 0.1 * number)
+    # While Python itself starts, which takes longer on a busy machine, nobody can handle a signal.
+    begin = "import sys; from numpy_cae.__main__ import main; print('begun', flush=True); "
+    program = [sys.executable, "-c", HEAR + "; " + begin + "sys.exit(main())", *words]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(program, stdout=pipe, stderr=pipe, text=True, cwd=tmp_path) as process:
+        assert process.stdout.readline() == "begun\n"
+        time.sleep(0.01 + 0.05 * number)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=100)
     assert process.returncode in (0, 3, 4, 130)
