@@ -216,29 +216,29 @@ def add_trunk(skeleton: Skeleton, indices: dict[str, int], named: set[str]) -> N
         indices["chest"] = carrier
         if "spine" not in named:
             indices.pop("spine", None)
-    if "spine" not in named and _is_at_hips(skeleton, indices):
+    hips = indices["hips"]
+    if "spine" not in named and "spine" in indices and _is_at(skeleton, indices["spine"], hips):
         indices.pop("spine")
     has_chest_alone = {"chest", "spine"} & (named | set(indices)) == {"chest"}
-    if not has_chest_alone or indices["hips"] not in ancestors:
+    if not has_chest_alone or hips not in ancestors:
         return
-    between = ancestors[: ancestors.index(indices["hips"])]
-    if between:
-        lengths = np.linalg.norm(skeleton.offsets, axis=-1)
-        # Distance from the chest down to each joint in between, and to the hips.
-        down = np.cumsum(lengths[[carrier, *between]])
-        indices["spine"] = between[int(np.argmin(np.abs(down[:-1] - down[-1] / 2)))]
-        if _is_at_hips(skeleton, indices):
-            indices.pop("spine")
+    between = ancestors[: ancestors.index(hips)]
+    lengths = np.linalg.norm(skeleton.offsets, axis=-1)
+    # Distance from the chest down to each joint in between, and to the hips.
+    down = np.cumsum(lengths[[carrier, *between]])
+    from_middle = np.abs(down[:-1] - down[-1] / 2)
+    distances = dict(zip(between, from_middle, strict=True))
+    above_hips = [joint for joint in between if not _is_at(skeleton, joint, hips)]
+    if above_hips:
+        indices["spine"] = min(above_hips, key=distances.__getitem__)
 
 
-def _is_at_hips(skeleton: Skeleton, indices: dict[str, int]) -> bool:
-    """Whether there is a spine, and no bone between it and the hips has a length."""
-    if "spine" not in indices:
+def _is_at(skeleton: Skeleton, joint: int, ancestor: int) -> bool:
+    """Whether no bone between a joint and its ancestor has a length."""
+    path = skeleton.path(joint)
+    if ancestor not in path:
         return False
-    path = skeleton.path(indices["spine"])
-    if indices["hips"] not in path:
-        return False
-    bones = path[: path.index(indices["hips"])]
+    bones = path[: path.index(ancestor)]
     return not skeleton.offsets[bones].any()
 
 
