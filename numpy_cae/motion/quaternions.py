@@ -17,16 +17,23 @@ def product(second: np.ndarray, first: np.ndarray) -> np.ndarray:
 
     (u, w) (u', w') = (w u' + w' u + u × u',  w w' - u · u')
     """
-    # np.moveaxis and np.stack take longer than the arithmetic of a few frames.
     a, b, c, d = second[..., 0], second[..., 1], second[..., 2], second[..., 3]
     x, y, z, w = first[..., 0], first[..., 1], first[..., 2], first[..., 3]
-    real = d * w - a * x - b * y - c * z
-    q = np.empty((*real.shape, 4), real.dtype)
-    q[..., 0] = d * x + a * w + b * z - c * y
-    q[..., 1] = d * y + b * w + c * x - a * z
-    q[..., 2] = d * z + c * w + a * y - b * x
-    q[..., 3] = real
-    return q
+    return _stacked(
+        d * x + a * w + b * z - c * y,
+        d * y + b * w + c * x - a * z,
+        d * z + c * w + a * y - b * x,
+        d * w - a * x - b * y - c * z,
+    )
+
+
+def _stacked(*components: np.ndarray) -> np.ndarray:
+    """Arrays of one shape as the last axis of one array."""
+    # np.moveaxis and np.stack take longer than the arithmetic of a few frames.
+    stacked = np.empty((*components[0].shape, len(components)), components[0].dtype)
+    for place, component in enumerate(components):
+        stacked[..., place] = component
+    return stacked
 
 
 def inverse(q: np.ndarray) -> np.ndarray:
@@ -41,8 +48,11 @@ def rotate(q: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     i = 2 * (y * c - z * b)
     j = 2 * (z * a - x * c)
     k = 2 * (x * b - y * a)
-    rotated = [a + w * i + y * k - z * j, b + w * j + z * i - x * k, c + w * k + x * j - y * i]
-    return np.stack(rotated, axis=-1)
+    return _stacked(
+        a + w * i + y * k - z * j,
+        b + w * j + z * i - x * k,
+        c + w * k + x * j - y * i,
+    )
 
 
 def angle(q: np.ndarray) -> np.ndarray:
@@ -85,7 +95,7 @@ def nearest(matrices: np.ndarray) -> np.ndarray:
 
 
 def from_angles(order: str, angles: np.ndarray) -> np.ndarray:
-    """Quaternions of angles (F, N) in radians about the joint's own axes in an order such as "ZXY",
+    """Quaternions of angles (…, N) in radians about the joint's own axes in an order such as "ZXY",
     or about fixed axes in an order such as "yxz".
 
     Multiplied on the right by a rotation of 2α about axis i, a quaternion q becomes (j and k are
@@ -95,16 +105,18 @@ def from_angles(order: str, angles: np.ndarray) -> np.ndarray:
         q_w cos α - q_i sin α
     """
     if order.islower():  # fixed axes in this order are own axes in reverse order
-        return from_angles(order[::-1].upper(), angles[:, ::-1])
-    q = [*np.zeros((3, len(angles))), np.ones(len(angles))]
-    for axis, column in zip(order, angles.T, strict=True):
+        return from_angles(order[::-1].upper(), angles[..., ::-1])
+    sines = np.sin(angles / 2)
+    cosines = np.cos(angles / 2)
+    q = [*np.zeros((3, *angles.shape[:-1])), np.ones(angles.shape[:-1])]
+    for place, axis in enumerate(order):
         i = "XYZ".index(axis)
         j, k = (i + 1) % 3, (i + 2) % 3
-        sin = np.sin(column / 2)
-        cos = np.cos(column / 2)
+        sin = sines[..., place]
+        cos = cosines[..., place]
         q[i], q[3] = q[i] * cos + q[3] * sin, q[3] * cos - q[i] * sin
         q[j], q[k] = q[j] * cos + q[k] * sin, q[k] * cos - q[j] * sin
-    return np.stack(q, axis=1)
+    return _stacked(*q)
 
 
 def to_angles(order: str, q: np.ndarray) -> np.ndarray:
@@ -123,7 +135,7 @@ def to_angles(order: str, q: np.ndarray) -> np.ndarray:
     high = middle > np.pi - 1e-7
     last = np.where(low | high, 0.0, total - difference)
     first = np.where(low, 2 * total, np.where(high, 2 * difference, total + difference))
-    angles = np.stack([sign * first, middle - np.pi / 2, last], axis=1)
+    angles = _stacked(sign * first, middle - np.pi / 2, last)
     return angles - 2 * np.pi * np.round(angles / (2 * np.pi))
 
 
@@ -137,16 +149,19 @@ def continuous_angles(angles: np.ndarray, before: np.ndarray | None = None) -> n
         equivalent = angles * [1, -1, 1] + np.pi
         previous = np.vstack([before, angles[:-1]])
         is_nearer = _distance(previous, equivalent) < _distance(previous, angles)
-        use_equivalent = np.cumsum(is_nearer) % 2 == 1
-        angles = np.where(use_equivalent[:, None], equivalent, angles)
+        if is_nearer.any():
+            use_equivalent = np.cumsum(is_nearer) % 2 == 1
+            angles = np.where(use_equivalent[:, None], equivalent, angles)
     steps = np.diff(np.vstack([before, angles]), axis=0)
-    return angles - 2 * np.pi * np.cumsum(np.round(steps / (2 * np.pi)), axis=0)
+    turns = np.round(steps / (2 * np.pi))
+    return angles - 2 * np.pi * np.cumsum(turns, axis=0) if turns.any() else angles
 
 
 def _distance(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """The largest of three differences of angles (F, 3), apart from whole turns: (F,)."""
     turns = (start - end) / (2 * np.pi)
-    return 2 * np.pi * np.abs(turns - np.round(turns)).max(axis=-1)
+    first, second, third = np.abs(turns - np.round(turns)).T
+    return 2 * np.pi * np.maximum(np.maximum(first, second), third)  # faster than max(axis=-1)
 
 
 def nearest_angles(rotations: np.ndarray, order: str) -> np.ndarray:

@@ -5,13 +5,14 @@ differ by whole turns. The angles nearest to those of the frame before are used,
 an editor do not jump.
 """
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from numpy_cae.motion import quaternions
 
-_BLOCK = 1024
+_BLOCK = 256
 """The number of frames that are converted at a time, which fit in the processor's cache."""
 
 
@@ -48,7 +49,10 @@ class Channels:
 
     def rotations(self, values: np.ndarray) -> np.ndarray:
         """The joint's rotations as quaternions (F, 4), from the numbers of its channels (F, N)."""
-        rotations = quaternions.from_angles(self.order, values * self.angle_unit)
+        return self.in_parent(quaternions.from_angles(self.order, values * self.angle_unit))
+
+    def in_parent(self, rotations: np.ndarray) -> np.ndarray:
+        """The joint's rotations (F, 4), from those about the axes of its channels, which change."""
         if self.axes is not None:
             # C · R · C⁻¹ rotates by the angle of R about its axis rotated by C.
             rotations[:, :3] = quaternions.rotate(self.axes, rotations[:, :3])
@@ -100,16 +104,26 @@ def read_pose(
 
     The translation of a joint without position channels is its offset, a row of `offsets` (J, 3).
     """
-    rotations = np.empty((len(values), len(channels), 4))
     translations = np.tile(offsets, (len(values), 1, 1))
+    rotations = np.empty((len(values), len(channels), 4))
+    turns: dict[tuple[str, float], dict[int, np.ndarray]] = defaultdict(dict)
     columns = columns_of(channels)
-    for first in range(0, len(values), _BLOCK):
-        block = values[first : first + _BLOCK]
-        turned = rotations[first : first + _BLOCK]
-        placed = translations[first : first + _BLOCK]
-        for joint, of_joint in enumerate(channels.values()):
-            lengths = of_joint.unit * block[:, columns[joint][of_joint.places("t")]]
-            coordinates = of_joint.coordinates
-            placed[:, joint, coordinates] = of_joint.offset[coordinates] + lengths
-            turned[:, joint] = of_joint.rotations(block[:, columns[joint][of_joint.places("r")]])
+    for joint, of_joint in enumerate(channels.values()):
+        coordinates = of_joint.coordinates
+        if coordinates:
+            lengths = of_joint.unit * values[:, columns[joint][of_joint.places("t")]]
+            translations[:, joint, coordinates] = of_joint.offset[coordinates] + lengths
+        alike = turns[of_joint.order, of_joint.angle_unit]
+        alike[joint] = columns[joint][of_joint.places("r")]
+    for (order, unit), alike in turns.items():
+        columns_alike = np.array(list(alike.values()))
+        # Often these are all joints, and a slice is assigned faster than a list of indices.
+        joints = list(alike) if len(turns) > 1 else slice(None)
+        for first in range(0, len(values), _BLOCK):
+            frames = slice(first, first + _BLOCK)
+            angles = unit * values[frames].take(columns_alike, axis=1)
+            rotations[frames, joints] = quaternions.from_angles(order, angles)
+    for joint, of_joint in enumerate(channels.values()):
+        if of_joint.axes is not None or of_joint.orientation is not None:
+            rotations[:, joint] = of_joint.in_parent(rotations[:, joint])
     return rotations, translations

@@ -42,9 +42,11 @@ CHANNELS |= {f"{axis}rotation": f"r{axis}" for axis in "XYZ"}
 """For the usual spelling of each channel its name in `Channels`. Files differ in case."""
 _LOWER_CASE = {name.lower(): short for name, short in CHANNELS.items()}
 _KEYWORDS = {"HIERARCHY", "ROOT", "JOINT", "OFFSET", "CHANNELS", "End Site", "MOTION", "{", "}"}
+_BRACES = re.compile(r"([{}])")
 _BRACKETS = str.maketrans("[]()", "    ")
 _COMMA = str.maketrans(",", " ")
 """Scripts write these characters around and between the numbers of a vector."""
+NumberedLines = Iterator[tuple[int, str]]
 _SKIPPABLE = re.compile(r"[^-+.\d{}][^{}]*")
 """A line that may be skipped has no brace and is no row of numbers."""
 
@@ -106,9 +108,10 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     (240, ('root', 'lhipjoint'))
     """
     file = TextFile.read(path)
-    joints, motion_line, skipped = _Hierarchy(file).read()
-    rate, values, miscounted = _read_motion(file, motion_line, joints, max_rate)
-    del file  # the text of an hour at 120 Hz takes half a gigabyte
+    lines = file.numbered_lines()
+    joints, skipped = _Hierarchy(file).read(lines)
+    rate, values, miscounted = _read_motion(file, lines, joints, max_rate)
+    del file, lines  # the text of an hour at 120 Hz takes half a gigabyte
     skeleton = Skeleton(
         tuple(joint.name for joint in joints),
         tuple(joint.parent for joint in joints),
@@ -118,7 +121,7 @@ def read_bvh(path: str | Path, unit: float | None = None, max_rate: float | None
     rotations, translations = read_pose(_channels(joints, 1.0), skeleton.offsets, values)
     still = _note_if_still(values)
     del values
-    height = stature(skeleton, _bone_lengths(translations))
+    height = stature(skeleton, _bone_lengths(joints, translations))
     if unit is None:
         unit, note = guess_unit(height)
     else:
@@ -135,19 +138,23 @@ def _note_if_still(values: np.ndarray) -> list[Note]:
     return []
 
 
-def _bone_lengths(translations: np.ndarray) -> np.ndarray:
+def _bone_lengths(joints: list[BvhJoint], translations: np.ndarray) -> np.ndarray:
     """The length of the bone that ends at each joint, (J,), from translations (F, J, 3).
 
     Where a joint has position channels, its offset may be wrong: the median in the motion is not.
     """
-    # One joint at a time: the squares of an hour of all take a third of a gigabyte.
-    lengths = [np.linalg.norm(steps, axis=1) for steps in translations.swapaxes(0, 1)]
-    return np.nanmedian(lengths, axis=1)
+    lengths = np.linalg.norm(translations[0], axis=1)
+    for joint in joints:
+        if any(channel.startswith("t") for channel in joint.channels):
+            steps = np.linalg.norm(translations[:, joint.index], axis=1)
+            lengths[joint.index] = np.nanmedian(steps)
+    return lengths
 
 
 def bvh_channels(path: str | Path, unit: float) -> JointChannels:
     """The channels of each joint of a BVH file; `unit` is metres in its unit of length."""
-    joints, *_ = _Hierarchy(TextFile.read(path, header=True)).read()
+    file = TextFile.read(path, header=True)
+    joints, _ = _Hierarchy(file).read(file.numbered_lines())
     return _channels(joints, unit)
 
 
@@ -156,31 +163,31 @@ def _channels(joints: list[BvhJoint], unit: float) -> JointChannels:
 
 
 def _read_motion(
-    file: TextFile, motion_line: int, joints: list[BvhJoint], max_rate: float | None
+    file: TextFile, lines: NumberedLines, joints: list[BvhJoint], max_rate: float | None
 ) -> tuple[float, np.ndarray, list[Note]]:
-    """The frames a second and the table (frames, channels) in the text below MOTION, and a note if
-    the number of frames that the file states is not that of the lines."""
+    """The frames a second and the table (frames, channels) in the `lines` below MOTION, and a note
+    if the number of frames that the file states is not that of the lines."""
     channels = sum(len(joint.channels) for joint in joints)
-    count_line, count = _header(file, motion_line, "frames", "Frames: and a number")
-    time_line, time = _header(file, count_line, r"frame\s*time", "Frame Time: and seconds")
+    count_line, count = _header(file, lines, "frames", "Frames: and a number")
+    time_line, time = _header(file, lines, r"frame\s*time", "Frame Time: and seconds")
     stated = whole_number(count)
     if stated is None:
         raise file.error(count_line, f"Frames: {quote(count)}, expected a whole number")
     rate = _rate(file, time_line, time)
     if channels == 0:
-        raise file.error(motion_line, "no joint has CHANNELS, so there is no motion to read")
+        raise file.error(count_line, "no joint has CHANNELS, so there is no motion to read")
 
     step = 1 if max_rate is None else max(1, whole_step(rate, max_rate))
     expected = "a line for each frame, with one value for each channel of the hierarchy"
     rate = rate if step == 1 or max_rate is None else max_rate
     file.require_frames((file.count - time_line) // step, len(joints), rate)
-    values, lines = file.table(time_line, channels, expected, step)
+    values, count_of_lines = file.table(time_line, channels, expected, step)
     notes = []
-    if lines == 0:
+    if count_of_lines == 0:
         joined = "but" if stated else "and"
         raise file.error(count_line, f"Frames: says {count}, {joined} no line of values follows")
-    if lines != stated:
-        text = f"Frames: says {count}, but {lines} lines of values follow and were read"
+    if count_of_lines != stated:
+        text = f"Frames: says {count}, but {count_of_lines} lines of values follow and were read"
         notes.append(Note("frames", text))
     if not SLOWEST_RATE <= rate <= FASTEST_RATE:
         text = f"Frame Time: {time} is {rate:.3g} frames a second; is that right?"
@@ -188,9 +195,9 @@ def _read_motion(
     return rate, values, notes + file.lost_values(values)
 
 
-def _header(file: TextFile, after: int, keyword: str, expected: str) -> tuple[int, str]:
+def _header(file: TextFile, lines: NumberedLines, keyword: str, expected: str) -> tuple[int, str]:
     """The number of the next line that is not blank, and the text after the keyword in it."""
-    for line, text in file.numbered_lines(after):
+    for line, text in lines:
         match = re.fullmatch(rf"{keyword}\s*:?\s*(.*)", text.strip(), re.IGNORECASE)
         if match is not None:
             return line, match[1]
@@ -231,15 +238,15 @@ class _Hierarchy:
         self.blocks = [BvhJoint("", -1, -1, 0, ["ROOT"])]
         self.skipped: list[int] = []
 
-    def read(self) -> tuple[list[BvhJoint], int, list[Note]]:
-        """The joints, the number of the line MOTION, and a note if lines were skipped.
+    def read(self, lines: NumberedLines) -> tuple[list[BvhJoint], list[Note]]:
+        """The joints, and a note if lines were skipped; of `lines` those below MOTION are left.
 
         Raises MotionFileError if the block is not valid BVH.
         """
-        for line, keyword, value in self._statements():
+        for line, keyword, value in self._statements(lines):
             self._require_expected(line, f"{keyword} {value}".strip())
             if keyword == "MOTION":
-                return [*self.joints.values()], line, self._notes()
+                return [*self.joints.values()], self._notes()
             if keyword in ("ROOT", "JOINT", "End Site"):
                 self.blocks.append(self._new_block(line, keyword, value))
                 continue
@@ -267,11 +274,11 @@ class _Hierarchy:
         text = f"skipped {len(self.skipped)} unknown {lines} of the hierarchy"
         return [Note("skipped lines", f"{text}, first line {self.skipped[0]}")]
 
-    def _statements(self) -> Iterator[tuple[int, str, str]]:
+    def _statements(self, lines: NumberedLines) -> Iterator[tuple[int, str, str]]:
         """(line number, keyword, value) of each statement; a brace is one anywhere in a line."""
         started = False
-        for line, text in self.file.numbered_lines():
-            for statement in filter(None, map(str.strip, re.split(r"([{}])", text))):
+        for line, text in lines:
+            for statement in filter(None, map(str.strip, _BRACES.split(text))):
                 keyword, value = [*statement.split(maxsplit=1), ""][:2]
                 if not started and statement.upper() != "HIERARCHY":
                     problem = "expected HIERARCHY, as every BVH file begins, found"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from array import array
 from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import suppress
@@ -70,7 +69,9 @@ class TextFile:
             except UnicodeDecodeError:
                 # Only names can hold such characters, and Latin-1 decodes every byte.
                 data = data.decode("latin-1").encode()
-        return cls(path, data.replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        return cls(path, data)
 
     @property
     def count(self) -> int:
@@ -136,7 +137,7 @@ class TextFile:
         The last line is parsed too, as it may be cut off; the others are only counted. `expected`
         describes a line in an error. Numbers are separated by `separator`, None for white space.
         """
-        rows = array("d")
+        rows = [np.empty((0, width))]
         lines = 0
         last: list[tuple[int, str]] = []
         for first, texts in self._blocks():
@@ -144,12 +145,12 @@ class TextFile:
             filled = [(line, text) for line, text in numbered if line > after and text.strip()]
             parsed = filled[-lines % step :: step]
             if parsed:
-                rows.frombytes(self._rows(parsed, width, expected, separator).tobytes())
+                rows.append(self._rows(parsed, width, expected, separator))
             lines += len(filled)
             last = filled[-1:] or last
-        if last:
+        if last and step > 1:
             self._rows(last, width, expected, separator)
-        return np.frombuffer(rows).reshape(-1, width), lines
+        return np.concatenate(rows), lines
 
     def _rows(
         self, lines: list[tuple[int, str]], width: int, expected: str, separator: str | None

@@ -66,12 +66,13 @@ def recognise_rig(motion: Motion, mapping: Mappings = None) -> RiggedMotion:
     completed = add_missing_joints(by_names, estimate=mapping is not None)
     if not find_order_problem(completed):
         # An animal's rig may have a person's names.
-        doubt = "" if mapping else find_doubt(completed)
+        at = _joints_at(completed)
+        doubt = "" if mapping else _find_doubt_in_poses(completed, at)
         if doubt == NOT_UPRIGHT and _has_spine_at_hips(by_names):
             return _add_note(by_names, f"rig not recognised: {doubt}", in_doubt=True)
         if doubt:
             return _add_note(completed, f"is this a person? {doubt}", in_doubt=True)
-        if is_mirrored(completed):
+        if _is_mirrored(completed, at):
             return _add_note(completed, MIRRORED, in_doubt=True)
         return completed
     names = {joint: motion.skeleton.names[at] for joint, at in by_names.rig.indices.items()}
@@ -288,10 +289,11 @@ def find_order_problem(motion: RiggedMotion) -> str:
 
 def find_doubt(motion: RiggedMotion) -> str:
     """Why a rig's twenty joints may not be these; empty if there is no reason."""
-    problem = find_order_problem(motion)
-    if problem:
-        return problem
-    at = _joints_at(motion)
+    return find_order_problem(motion) or _find_doubt_in_poses(motion, _joints_at(motion))
+
+
+def _find_doubt_in_poses(motion: RiggedMotion, at: dict[str, np.ndarray]) -> str:
+    """Why the twenty joints may not be these, from their positions (N, 3) by joint."""
     body = np.stack([at[joint] for joint in JOINTS], axis=1)
     problem = _find_side_problem(motion, at)
     if not problem:
@@ -346,13 +348,13 @@ def _toes_point_forward(at: dict[str, np.ndarray]) -> np.ndarray:
     return np.asarray(np.sum(left * across, axis=-1) > 0)
 
 
-def is_mirrored(motion: RiggedMotion) -> bool:
+def _is_mirrored(motion: RiggedMotion, at: dict[str, np.ndarray]) -> bool:
     """Whether the toes point backwards in the rest pose and in most others: then left and right of
     the joints' names are exchanged, or the file is a mirror image. False if toes were added."""
     indices = motion.rig.indices
     if {indices["left_toe"], indices["right_toe"]} & set(motion.rig.added):
         return False
-    return not _is_usual(_toes_point_forward(_joints_at(motion)))
+    return not _is_usual(_toes_point_forward(at))
 
 
 def _find_length_problem(at: dict[str, np.ndarray], lengths: np.ndarray) -> str:
