@@ -317,9 +317,9 @@ def require_finite(motion: Motion) -> None:
     if len(motion) == 0:
         raise ValueError("the motion has no frames, expected at least one")
     for values in ("rotations", "translations"):
-        wrong = np.argwhere(~np.isfinite(getattr(motion, values)))
-        if len(wrong):
-            frame, joint, _ = wrong[0]
+        finite = np.isfinite(getattr(motion, values))
+        if not finite.all():
+            frame, joint, _ = np.argwhere(~finite)[0]
             where = f"frame {frame}, joint {motion.skeleton.names[joint]!r}"
             raise ValueError(f"{values} have a value that is not finite: {where}")
 

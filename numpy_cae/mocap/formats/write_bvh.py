@@ -29,8 +29,6 @@ and a full turn about Y meets no pole."""
 RESOLUTION = 1e-7
 """Positions in the file are rounded to this (m). A joint that is never further from its offset has
 no position channels."""
-BLOCK_ROWS = 1000
-"""So many frames are formatted at a time: as objects of Python they need four times the memory."""
 ANGLE_FORMAT = "%.6f"
 """Degrees have six decimals: an error of 1e-6 degrees moves the end of a chain of 2 m by 4e-8 m."""
 
@@ -73,7 +71,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
     _require_readable(motion, unit)
     joints = range(len(motion.skeleton.names))
     order = depth_first(0, {joint: motion.skeleton.children(joint) for joint in joints})
-    distance = np.abs(motion.translations - motion.skeleton.offsets).max(axis=(0, 2))
+    distance = np.abs(motion.translations - motion.skeleton.offsets).max(axis=0).max(axis=1)
     moving = {joint for joint in order if joint == 0 or distance[joint] > RESOLUTION}
     lines = ["HIERARCHY", *_joint_lines(motion.skeleton, order, moving, unit), "MOTION"]
     lines += [f"Frames: {len(motion)}", f"Frame Time: {1 / motion.rate:.10g}"]
@@ -86,8 +84,7 @@ def write_bvh(motion: Motion, path: str | Path, unit: float | None = None) -> No
 def _write_rows(file: TextIO, values: np.ndarray, formats: list[str]) -> None:
     """Write the numbers of each frame as a line, as `np.savetxt` does, which takes longer."""
     row_format = " ".join(formats) + "\n"
-    for rows in np.split(values, range(BLOCK_ROWS, len(values), BLOCK_ROWS)):
-        file.write("".join([row_format % tuple(row) for row in rows.tolist()]))
+    file.writelines(row_format % tuple(row.tolist()) for row in values)
 
 
 def _require_readable(motion: Motion, unit: float) -> None:
