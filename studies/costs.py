@@ -1,8 +1,7 @@
-"""What whole commands cost, how fast BVH is read, and how cost grows with each size.
+"""What whole commands cost, and how cost grows with each size.
 
 Commands are processes of their own: seconds of all their processors, start included, and the
-peak memory of the first process. Readers of the package index are timed if they are installed (`pip
-install pybvh bvhio bvhtoolbox bvh`). A slope is that of a straight line through the larger sizes,
+peak memory of the first process. A slope is that of a straight line through the larger sizes,
 logarithm of the time over logarithm of the size: 1 is linear.
 
     python -m studies costs -o costs
@@ -15,9 +14,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -35,8 +32,6 @@ from studies.timing.torch_networks import FRAMES, LATENT, step
 SECONDS = (1, 10, 60, 600, 3600)
 """Lengths of the files that are repaired (s)."""
 FILES = (1, 10, 100, 300)
-READ_SECONDS = 300.0
-"""The length of the file that is read by every reader (s)."""
 WINDOWS = (1, 4, 16, 64, 256, 1024)
 JOINTS = (20, 50, 100, 200, 500, 1000)
 HIDDEN = (64, 128, 256, 512, 1024)
@@ -46,8 +41,6 @@ MINUTES = 45.0
 """Minutes of synthetic motion, of which a network learns."""
 TAKES = 280
 """The network learns from so many of these takes, the first."""
-READERS = {"pybvh": "read_bvh_file", "bvhio": "readAsBvh", "bvhtoolbox": "BvhTree", "bvh": "Bvh"}
-"""Packages of the index and their functions; the last two take the text of a file."""
 ROOT = Path(__file__).parents[1]
 """The folder from which `python -m studies` is run."""
 Costs = Mapping[int, tuple[float, float | None]]
@@ -61,7 +54,6 @@ def run() -> Result:
         series = write_series(plan_takes(MINUTES)[:TAKES], folder / "takes", rate=30.0).parent
         rows = list(_commands(folder, series))
         commands = Table("", ["command", "processor, s", "peak, MB"], rows, ("", ".2f", ".0f"))
-        speeds = Table("", ["reader", "MB/s"], list(_readers(folder)), ("", ".1f"))
         costs_by_size = dict(_growth(folder))
     rows = [_row(quantity, costs) for quantity, costs in costs_by_size.items()]
     header = ["size", "from", "to", "first, s", "last, s", "slope", "peak at the last, MB"]
@@ -70,7 +62,7 @@ def run() -> Result:
         f"growth_{quantity.split()[0]}": Picture(partial(_figure, quantity, costs))
         for quantity, costs in costs_by_size.items()
     }
-    return Result("Costs", [commands, speeds, growth], figures=pictures)
+    return Result("Costs", [commands, growth], figures=pictures)
 
 
 def _cost(*words: object) -> tuple[float, float]:
@@ -96,7 +88,7 @@ def _cost(*words: object) -> tuple[float, float]:
 
 
 def _commands(folder: Path, takes: Path) -> Iterator[list[object]]:
-    damaged = _walk(folder / "damaged.bvh", 80 / 30, spike=True)
+    damaged = write_walk(folder / "damaged.bvh", 80 / 30, spike=True)
     yield ["--help", *_cost("--help")]
     yield ["repair of 80 frames", *_cost("repair", damaged, "-o", folder / "fixed.bvh")]
     yield ["demo", *_cost("demo", "-o", folder / "demo", "--quiet")]
@@ -106,7 +98,7 @@ def _commands(folder: Path, takes: Path) -> Iterator[list[object]]:
     yield [f"train --recipe fast, {count} takes", *learned]
 
 
-def _walk(path: Path, seconds: float, spike: bool = False) -> Path:
+def write_walk(path: Path, seconds: float, spike: bool = False) -> Path:
     """A walk at thirty frames a second, repeated after ten seconds, with one turned elbow."""
     motion = make_take("walk", 0, seconds=10.0, rate=30.0).motion
     motion = motion.at(np.arange(round(30 * seconds)) % len(motion))
@@ -114,17 +106,6 @@ def _walk(path: Path, seconds: float, spike: bool = False) -> Path:
         motion.rotations[40, motion.skeleton.index("lradius")] = (0.6, 0.0, 0.0, 0.8)
     write_bvh(motion, path, unit=0.01)
     return path
-
-
-def _readers(folder: Path) -> Iterator[list[object]]:
-    path = _walk(folder / "long.bvh", READ_SECONDS)
-    readers: dict[str, Callable[[], object]] = {"numpy_cae": partial(load_motion, path)}
-    for package, function in READERS.items():
-        with suppress(ImportError):
-            source = path.read_text() if package in ("bvhtoolbox", "bvh") else str(path)
-            readers[package] = partial(getattr(import_module(package), function), source)
-    for name, read in readers.items():
-        yield [name, path.stat().st_size / 1e6 / _seconds(read)]
 
 
 def _seconds(work: Callable[[], object], times: int = 3) -> float:
@@ -139,7 +120,7 @@ def _seconds(work: Callable[[], object], times: int = 3) -> float:
 
 def _growth(folder: Path) -> Iterator[tuple[str, Costs]]:
     """What grows, and its costs by size."""
-    long = {n: _walk(folder / f"{n}.bvh", n) for n in SECONDS}
+    long = {n: write_walk(folder / f"{n}.bvh", n) for n in SECONDS}
     out = folder / "out.bvh"
     repaired = {n: _cost("repair", long[n], "-o", out, "--overwrite", "--project") for n in SECONDS}
     yield "frames of a file that is repaired", {30 * n: cost for n, cost in repaired.items()}

@@ -9,11 +9,10 @@ from studies import costs
 def result():
     """All tables for few sizes; the commands are not run, each costs 2 s and 50 MB."""
     sizes = {"SECONDS": (1, 2, 4), "FILES": (1, 2, 4), "WINDOWS": (1, 2, 4), "JOINTS": (2, 3, 4)}
-    sizes |= {"HIDDEN": (4, 5, 6), "TAKES": 1, "READ_SECONDS": 10.0}
+    sizes |= {"HIDDEN": (4, 5, 6), "TAKES": 1}
     with pytest.MonkeyPatch.context() as patch:
         for name, few in sizes.items():
             patch.setattr(costs, name, few)
-        patch.setattr(costs, "READERS", {"missing": ""})
         patch.setattr(costs, "_cost", lambda *words: (2.0, 50.0))
         return costs.run()
 
@@ -21,11 +20,6 @@ def result():
 def test_each_command_has_its_seconds_and_memory(result):
     commands, *_ = result.tables
     assert commands.rows[1] == ["repair of 80 frames", 2.0, 50.0]
-
-
-def test_readers_that_are_not_installed_are_left_out(result):
-    _, readers, _ = result.tables
-    assert [row[0] for row in readers.rows] == ["numpy_cae"] and readers.rows[0][1] > 0.1
 
 
 def test_a_cost_that_does_not_grow_has_the_slope_0(result):
