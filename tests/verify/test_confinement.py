@@ -153,16 +153,18 @@ def test_a_full_disk_is_no_fault_of_the_file(request_for, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("program", "reason"),
+    ("program", "silent_seconds", "reason"),
     [
-        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "ended without a reply"),
-        ("import os, signal; os.kill(os.getpid(), signal.SIGSTOP)", "was it stopped?"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", 60.0, "ended without a reply"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSTOP)", 0.2, "was it stopped?"),
     ],
     ids=["killed", "stopped"],
 )
-def test_a_grader_that_is_ended_or_stopped_is_said_to_be(program, reason, tmp_path, monkeypatch):
+def test_a_grader_that_is_ended_or_stopped_is_said_to_be(
+    program, silent_seconds, reason, tmp_path, monkeypatch
+):
     monkeypatch.setattr(student_file, "CHILD", [sys.executable, "-c", program])
-    monkeypatch.setattr(student_file, "SILENT_SECONDS", 0.2)
+    monkeypatch.setattr(student_file, "SILENT_SECONDS", silent_seconds)
     monkeypatch.setattr(student_file, "LOOK_SECONDS", 0.1)
     path = tmp_path / "student.py"
     path.write_text("import numpy as np\n" + RIGHT)
