@@ -47,7 +47,14 @@ def grader():
 
 
 @pytest.fixture
-def forked_grading(tmp_path, monkeypatch, grader):
+def most_cases():
+    """On so many cases a grader tries each property, where the grading itself is tested; all cases
+    if it is None."""
+    return 4
+
+
+@pytest.fixture
+def forked_grading(tmp_path, monkeypatch, grader, most_cases):
     """Grade in a process that is forked from one that runs, which saves starting Python."""
     from numpy_cae.verify.grading import student_file
 
@@ -55,7 +62,7 @@ def forked_grading(tmp_path, monkeypatch, grader):
 
     def run(request):
         with free:
-            print(json.dumps([str(tmp_path), request]), file=grader.stdin, flush=True)
+            print(json.dumps([str(tmp_path), request, most_cases]), file=grader.stdin, flush=True)
             return json.loads(grader.stdout.readline())
 
     monkeypatch.setattr(student_file, "run", run)

@@ -39,6 +39,12 @@ def define_in_cell(name: str, source: str):
     return space[name]
 
 
+@pytest.fixture
+def most_cases():
+    """All, as in the notebook."""
+    return None
+
+
 def marked(place: int, known: tuple):
     marks = [pytest.mark.lessons] if place % QUICK else []
     return pytest.param(*known, marks=marks, id=f"{known[0]}-{place}")
