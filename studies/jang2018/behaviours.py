@@ -9,6 +9,7 @@ behaviour of the nearest of these clips.
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -42,16 +43,21 @@ SHOWN = ("stretching", "crossed legs", "resting on the wall")
 
 def count_behaviours(study: Study, clips: np.ndarray, seed: int) -> Counter[str]:
     """How many of the normalised clips (N, F, 54) have each behaviour."""
-    frames = study.manifold.frames
-    references = []
-    labels = []
-    for number, (act, label) in enumerate(ACTS.items()):
-        for repeat in range(CLIPS):
-            rng = np.random.default_rng([seed, 7, number, repeat])
-            references.append(study.manifold.normalise(_clip(act, rng, frames)))
-            labels.append(label)
-    nearest = clip_distances(clips, np.array(references)).argmin(axis=1)
+    references = study.manifold.normalise(_references(seed, study.manifold.frames, CLIPS))
+    labels = [label for label in ACTS.values() for _ in range(CLIPS)]
+    nearest = clip_distances(clips, references).argmin(axis=1)
     return Counter(labels[place] for place in nearest)
+
+
+@cache
+def _references(seed: int, frames: int, count: int) -> np.ndarray:
+    """So many clips (F, 54) of each act, in the order of `ACTS`."""
+    references = []
+    for number, act in enumerate(ACTS):
+        for repeat in range(count):
+            rng = np.random.default_rng([seed, 7, number, repeat])
+            references.append(_clip(act, rng, frames))
+    return np.array(references)
 
 
 def _clip(act: Callable | None, rng: np.random.Generator, frames: int) -> np.ndarray:

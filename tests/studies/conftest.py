@@ -17,7 +17,7 @@ from studies.shared.options import parameters
 
 CONTENTS = ("walk neutral", "walk old", "wave neutral", "wave tired", "press_ups ")
 SMALL = {
-    "repair_sweep": {"WINDOWS": 4},
+    "repair_sweep": {"WINDOWS": 3},
     "damage": {"TAKES": 1, "ONSETS": (0, 2)}
     | {"DAMAGES": {kind: DAMAGES[kind] for kind in ("twisted leg", "dropped frames", "jitter")}},
     "sampling": {"DRAWN": 4},
@@ -81,7 +81,7 @@ def result_of(small_manifold, labelled):
         with pytest.MonkeyPatch.context() as patch:
             shrink(patch)
             values = {"manifold": small_manifold, "material": labelled, "seed": 0, "epochs": 1}
-            values["seeds"] = 2
+            values |= {"seeds": 2, "takes": 1}
             names = [name for name in parameters(module.run) if name in values]
             result = module.run(**{name: values[name] for name in names})
             pictures = {}

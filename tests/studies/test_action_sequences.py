@@ -101,6 +101,8 @@ def test_reconstruction_beside_simpler_methods(studies, monkeypatch):
 
 def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
     monkeypatch.setattr(samples, "SAMPLES", 20)
+    monkeypatch.setattr(samples, "SHOWN_IN_PAPER", 6)
+    monkeypatch.setattr(behaviours, "CLIPS", 4)
     result = samples.samples(studies)
     for action in ("walking", "waiting"):
         assert result.tables[0].value(f"{action}: {TRAINING}", "near") == pytest.approx(1)
@@ -111,6 +113,7 @@ def test_samples_are_measured_relative_to_real_clips(studies, monkeypatch):
 def test_the_regulariser_with_and_without(studies, monkeypatch):
     monkeypatch.setattr(samples, "REPEATS", 1)
     monkeypatch.setattr(samples, "SAMPLES", 20)
+    monkeypatch.setattr(samples, "CLIPS", 200)
     action = studies[0].action
     free = training.train_study(action, replace(SHORT, weight=0.0), **SIZES)
     assert len(free.curve["steps"]) == 1 < len(studies[0].curve["steps"])
@@ -159,7 +162,8 @@ def test_actions_are_split_by_person_or_by_pattern(data_folder, capsys):
     assert (len(read.training), len(read.testing)) == (4, 1)
 
 
-def test_an_act_has_its_own_behaviour(studies):
+def test_an_act_has_its_own_behaviour(studies, monkeypatch):
+    monkeypatch.setattr(behaviours, "CLIPS", 4)
     waiting = studies[1].manifold
     known = replace(studies[1], manifold=replace(waiting, frames=50))
     for act, label in ACTS.items():

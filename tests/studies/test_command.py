@@ -11,7 +11,7 @@ import pytest
 from numpy_cae.evaluation import tables
 from studies import claims
 from studies.__main__ import NAMES, main, parse
-from studies.jang2018 import samples, training
+from studies.jang2018 import behaviours, samples, training
 from studies.shared.options import Inputs
 from studies.shared.result import VERDICTS
 
@@ -136,6 +136,7 @@ def test_the_study_of_sequences_has_claims_and_pictures(folder, tmp_path, capsys
     for module, name, fewer in (
         (tables, "PCA_CLIPS", 200),
         (samples, "SAMPLES", 20),
+        (behaviours, "CLIPS", 2),
         (samples, "SHOWN_IN_PAPER", 2),
         (samples, "REPEATS", 1),
         (training, "CLIPS", 100),

@@ -73,7 +73,8 @@ def test_an_onset_that_is_worse_than_its_neighbours_is_counted():
     assert not explanations.is_isolated(np.array([1.0, 2.0, 3.0, 30.0, 50.0]))
 
 
-def test_the_study_has_a_table_of_each_kind(small_manifold, tmp_path):
+def test_the_study_has_a_table_of_each_kind(small_manifold, tmp_path, monkeypatch):
+    monkeypatch.setattr(explanations, "RATES", (24.0, 60.0))
     folder = tmp_path / "walks"
     write_series(plan_takes(0.1, 1, ["walk"]), folder, rate=30.0)
     result = explanations.run(small_manifold, [folder], takes=1)

@@ -13,7 +13,7 @@ from studies import sources
 def test_each_folder_is_left_out_once(tmp_path, monkeypatch):
     quick = Schedule(Stage(epochs=0), Stage(epochs=1, rescaled=True), initial="passing", rms=0.1)
     monkeypatch.setattr(sources, "recipe", lambda name: quick)
-    small = partial(learn_manifold, filters=(4, 6, 8), taps=5)
+    small = partial(learn_manifold, window=32, overlap=16, filters=(4, 6, 8), taps=5)
     monkeypatch.setattr(sources, "learn_manifold", small)
     monkeypatch.setattr(sources, "WINDOWS", 2)
     monkeypatch.setattr(sources, "SEEDS", 1)
