@@ -21,7 +21,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 from pathlib import Path
 
@@ -197,7 +197,13 @@ def attach_rig(motion: Motion, rig: Rig) -> RiggedMotion:
 
 def partial_rig_of(motion: Motion) -> Rig:
     """The rig of a motion, which may lack joints: its own, or else the one that names give."""
-    return motion.rig if isinstance(motion, RiggedMotion) else rig_by_names(motion.skeleton)
+    return motion.rig if isinstance(motion, RiggedMotion) else _rig_by_names_alone(motion.skeleton)
+
+
+@lru_cache(maxsize=8)
+def _rig_by_names_alone(skeleton: Skeleton) -> Rig:
+    """`rig_by_names`, kept for the last skeletons: a repair asks for its rig forty times."""
+    return rig_by_names(skeleton)
 
 
 def add_trunk(skeleton: Skeleton, indices: dict[str, int], named: set[str]) -> None:

@@ -193,7 +193,9 @@ class Argument:
         y_behind = self.f(behind)
         moved = direction != 0
         # x + h is rounded: the step is what was added.
-        h = float(np.median((ahead - behind)[moved] / direction[moved])) / 2
+        spans = (ahead - behind)[moved] / direction[moved]
+        span = spans[0] if spans.size == 1 else np.median(spans)  # np.median is slow
+        h = float(span) / 2
         weight = np.abs(self.dy)
         bend = np.abs(y_ahead - 2 * self.here + y_behind)
         moved_outputs = (y_ahead != self.here) | (y_behind != self.here)

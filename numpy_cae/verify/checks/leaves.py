@@ -52,7 +52,7 @@ def flatten_floats(outputs: Sequence) -> np.ndarray:
 
 def is_float(thing: Any) -> bool:
     """Whether this is an array or a number of floats, real or complex."""
-    return thing is not None and np.issubdtype(np.asarray(thing).dtype, np.inexact)
+    return thing is not None and np.asarray(thing).dtype.kind in "fc"
 
 
 def has_gradient(name: str, leaf: object) -> bool:
