@@ -109,7 +109,7 @@ def test_a_leg_turns_two_frames_after_a_step_of_its_own():
     assert (finding.kind, finding.frames) == ("turned", (50, 94))
 
 
-@pytest.mark.parametrize("onset", [1, 2, 4])
+@pytest.mark.parametrize("onset", [1, pytest.param(2, marks=pytest.mark.thorough), 4])
 @pytest.mark.parametrize("kind", EASED)
 def test_damage_that_begins_over_a_few_frames_is_found(manifold, kind, onset):
     motion = make_take("walk", 4, seconds=6.0, rate=30.0).motion

@@ -51,7 +51,9 @@ def assert_unchanged(repaired, motion):
     np.testing.assert_array_equal(repaired.motion.translations, motion.translations)
 
 
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize(
+    "rate", [24.0, *(pytest.param(rate, marks=pytest.mark.thorough) for rate in RATES[1:-1]), 120.0]
+)
 @pytest.mark.parametrize("kinds", [("punch", "kick", "walk"), ("squats", "idle"), ("wave", "run")])
 def test_clips_in_one_file_are_cut_and_left_as_they_are(manifold, kinds, rate):
     clips = [clip(kind, seed, rate) for seed, kind in enumerate(kinds)]

@@ -15,7 +15,11 @@ from numpy_cae.cli import SUBCOMMANDS, commands, main
 from numpy_cae.cli.commands import demo, download
 from numpy_cae.mocap import write_bvh
 
-SHORTER = {"--minutes 20": "--minutes 1", "--recipe best": "--recipe best --epochs 1"}
+SHORTER = {
+    "--minutes 20": "--minutes 1",
+    "--minutes 2 ": "--minutes 0.5 ",
+    "--recipe best": "--recipe best --epochs 1",
+}
 """What the test does less of than an example."""
 STATUSES = {"verify": (0, 1)}
 """Exit statuses of examples; 1 of `verify` says that an exercise is not solved yet."""
