@@ -19,6 +19,12 @@ def walks(tmp_path_factory):
     return folder
 
 
+@pytest.fixture
+def few_windows(monkeypatch):
+    """`train` and `demo` complete two windows of the test takes, which takes them most time."""
+    monkeypatch.setattr("numpy_cae.evaluation.tables.WITH_MASK", 2)
+
+
 @pytest.fixture(scope="session")
 def train(run):
     """Train a tiny convolutional model on one folder or a list of them, with more options."""

@@ -103,7 +103,7 @@ def test_it_runs_as_a_module_and_prints_its_version():
     assert run_python("-m", "numpy_cae", "--version").stdout.split()[1] == numpy_cae.__version__
 
 
-def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train):
+def test_train_measures_on_the_test_takes(walks, tmp_path, capsys, train, few_windows):
     other = tmp_path / "other"
     shutil.copytree(walks, other, ignore=shutil.ignore_patterns("walk_3.bvh"))
     options = ["--test", "*_3.bvh", "*_2.bvh", "--batch", 4, "--recipe", "fast"]
@@ -160,7 +160,7 @@ def test_show_draws_a_strip_or_a_page(walks, tmp_path, run):
     assert names == ["both.html", "faster.png", "walk_1.png"]
 
 
-def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run):
+def test_the_demo_writes_all_its_files(tmp_path, capsys, monkeypatch, run, few_windows):
     monkeypatch.setattr(demo, "TAKES", 2 * len(demo.KINDS))
     monkeypatch.setattr(demo, "TEST_EVERY", 2)
     monkeypatch.setattr(demo, "SECONDS", 1.5)

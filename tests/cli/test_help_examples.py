@@ -56,7 +56,7 @@ def files(tmp_path_factory):
 
 
 @pytest.fixture
-def small(monkeypatch, files):
+def small(monkeypatch, files, few_windows):
     """The demo trains little, and nothing is downloaded."""
     monkeypatch.chdir(files)
     monkeypatch.setattr(demo, "TAKES", 2 * len(demo.KINDS))
