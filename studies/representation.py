@@ -450,8 +450,8 @@ def _correlation_of_components(manifold: MotionManifold, material: Material, cli
     """The mean correlation of two principal components of 15 frames, as many as layer 1 has
     units, fitted to training takes and measured in the windows of clips."""
     training = clips_of(manifold, [take.positions for take in material.training])
-    fitted = Gaussian(training.x, training.real)
-    _, axes = np.linalg.eigh(fitted.second - np.outer(fitted.mean, fitted.mean))
+    fitted = Gaussian(training.x, training.real).every
+    _, axes = np.linalg.eigh(fitted.covariance)
     first = axes[:, -manifold.network.layers[0].b.size :]
     rows = []
     for x, real in zip(clips.x, clips.real, strict=True):

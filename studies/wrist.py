@@ -5,8 +5,9 @@
 A wrist that is missing in all frames has no curve over time, but it has the other joints of its
 frame. Methods: the mean pose, which is zero for the network; the elbow, with the mean forearm of
 the training takes in the body's own frame; ridge regression on the other joints of the frame, and
-on those of frames -4, 0 and 4, fitted to the training takes with a ridge that is chosen on training
-takes left out; the network, given zeros; and its completion, given the mask.
+on those of frames -4, 0 and 4, fitted to windows of the training takes with a ridge that is chosen
+on windows left out, which overlap with others (whole takes choose the same ridge, and have the same
+error); the network, given zeros; and its completion, given the mask.
 """
 
 from collections.abc import Callable

@@ -3,8 +3,9 @@
 The linear map of these frames follows from the moments of the Gaussian. `pose_dynamics` has a
 Kalman smoother in the space of PCA, and `joint_ridge` a regression of joints on the others.
 
-With z the values of `TAPS` successive frames in one row, m = E[z] and S = Cov(z), both from the
-undamaged windows of training takes, missing values are estimated by their mean given the rest,
+With z the values of `TAPS` successive frames in one row, by frame, then feature, m = E[z] and
+S = Cov(z), both from the undamaged windows of training takes, missing values are estimated by their
+mean given the rest,
 
     E[z_u | z_o] = m_u + S_uo S_oo⁻¹ (z_o - m_o)
 
@@ -56,43 +57,76 @@ CHOSEN_ON = 6
 """A ridge is chosen on at most this many windows, evenly spaced over the takes left out."""
 
 
+class Moments:
+    """E[z], (TAPS · C,), and E[z zᵀ], (TAPS · C, TAPS · C), of rows z that are added."""
+
+    def __init__(self, size: int):
+        self.rows = 0
+        self._sum = np.zeros(size)
+        self._products = np.zeros((size, size))
+
+    def add(self, z: np.ndarray) -> None:
+        """Count rows (N, TAPS · C) too."""
+        self.rows += len(z)
+        self._sum += z.sum(axis=0)
+        self._products += z.T @ z
+
+    def join(self, moments: Moments) -> None:
+        """Count the rows of other moments too."""
+        self.rows += moments.rows
+        self._sum += moments._sum
+        self._products += moments._products
+
+    @property
+    def mean(self) -> np.ndarray:
+        """m."""
+        return self._sum / self.rows
+
+    @property
+    def second(self) -> np.ndarray:
+        """S + m mᵀ."""
+        return self._products / self.rows
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """S."""
+        return self.second - np.outer(self.mean, self.mean)
+
+
 class Gaussian:
     """The moments of `TAPS` successive frames of normalised motion.
 
-    From whole windows (N, T, C), around the frames that are `real`, (N, T) bool; frames beyond a
-    window are zero.
+    From windows (N, T, C), around each frame that is `real`, (N, T) bool. A row that reaches beyond
+    a window or beyond its real frames has zeros there. The linear map meets such rows at the ends
+    of every window, `complete` never: there they would count as known poses (0.14 instead of 0.09
+    cm, half of the values of Bandai's takes missing).
 
     Attributes
     ----------
-    frames : int
-        Number of rows.
+    whole : Moments
+        Of the rows of real frames alone, for `complete`.
+    every : Moments
+        Of all rows, for `linear_map`, and for `complete` where no row is whole.
     ridge : float
         This share of the mean of the diagonal of S is added to the diagonal.
-    mean : (TAPS · C,) array of float64
-        m, by frame, then feature.
-    second : (TAPS · C, TAPS · C) array of float64
-        E[z zᵀ]; S is E[z zᵀ] - m mᵀ.
     """
 
     def __init__(self, windows: np.ndarray, real: np.ndarray, ridge: float = RIDGE):
-        size = TAPS * windows.shape[-1]
-        total = np.zeros(size)
         self.ridge = ridge
-        self.second = np.zeros((size, size))
+        size = TAPS * windows.shape[-1]
+        self.whole = Moments(size)
+        self.every = Moments(size)
         for window, counts in zip(windows, real, strict=True):
-            z = gather_context(np.asarray(window, dtype=np.float64))[counts]
-            total += z.sum(axis=0)
-            self.second += z.T @ z
-        self.frames = int(np.count_nonzero(real))
-        self.mean = total / self.frames
-        self.second /= self.frames
+            z = gather_context(np.asarray(window, dtype=np.float64))
+            is_whole = gather_context(counts[:, None]).all(axis=1)
+            self.whole.add(z[is_whole])
+            self.every.add(z[counts & ~is_whole])
+        self.every.join(self.whole)
 
     def add(self, gaussian: Gaussian) -> None:
         """Change the moments to those of the frames of both together."""
-        share = gaussian.frames / (self.frames + gaussian.frames)
-        self.mean += share * (gaussian.mean - self.mean)
-        self.second += share * (gaussian.second - self.second)
-        self.frames += gaussian.frames
+        self.whole.join(gaussian.whole)
+        self.every.join(gaussian.every)
 
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).
@@ -100,7 +134,9 @@ class Gaussian:
         Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a window of fewer
         than `TAPS` frames are unknown.
         """
-        covariance = _with_ridge(self.second - np.outer(self.mean, self.mean), self.ridge)
+        moments = self.whole if self.whole.rows else self.every
+        mean = moments.mean
+        covariance = _with_ridge(moments.covariance, self.ridge)
         frames = x.shape[1]
         short = max(TAPS - frames, 0)
         last = frames + short - TAPS
@@ -116,30 +152,32 @@ class Gaussian:
                 padded_mask = np.pad(mask, ((0, short), (0, 0)))
                 for start in starts:
                     row = slice(start, start + TAPS)
-                    completed = self._complete_row(
-                        padded[row].ravel(), padded_mask[row].ravel(), covariance
+                    completed = _complete_row(
+                        padded[row].ravel(), padded_mask[row].ravel(), mean, covariance
                     )
                     estimate[row] += hann * completed.reshape(TAPS, -1)
         return np.where(known, x, (estimates / weights)[:, :frames])
 
-    def _complete_row(
-        self, z: np.ndarray, is_known: np.ndarray, covariance: np.ndarray
-    ) -> np.ndarray:
-        """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (TAPS · C,)."""
-        from scipy.linalg import solve  # slow to import
-
-        o = np.flatnonzero(is_known)
-        weights = np.zeros(len(self.mean))
-        weights[o] = solve(covariance[np.ix_(o, o)], z[o] - self.mean[o], assume_a="pos")
-        return self.mean + covariance @ weights
-
     def linear_map(self, p: float) -> np.ndarray:
         """A for values that are zero with probability p, (TAPS · C, C); see `apply_linear_map`."""
-        size = len(self.mean) // TAPS
+        second = self.every.second
+        size = len(second) // TAPS
         middle = slice(TAPS // 2 * size, (TAPS // 2 + 1) * size)
-        m = (1 - p) ** 2 * self.second
-        np.fill_diagonal(m, (1 - p) * np.diag(self.second))
-        return np.linalg.solve(_with_ridge(m, RIDGE), (1 - p) * self.second[:, middle])
+        m = (1 - p) ** 2 * second
+        np.fill_diagonal(m, (1 - p) * np.diag(second))
+        return np.linalg.solve(_with_ridge(m, RIDGE), (1 - p) * second[:, middle])
+
+
+def _complete_row(
+    z: np.ndarray, is_known: np.ndarray, mean: np.ndarray, covariance: np.ndarray
+) -> np.ndarray:
+    """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (TAPS · C,)."""
+    from scipy.linalg import solve  # slow to import
+
+    o = np.flatnonzero(is_known)
+    weights = np.zeros(len(mean))
+    weights[o] = solve(covariance[np.ix_(o, o)], z[o] - mean[o], assume_a="pos")
+    return mean + covariance @ weights
 
 
 def apply_linear_map(x: np.ndarray, a: np.ndarray) -> np.ndarray:
@@ -164,9 +202,10 @@ def fit_gaussian(
 ) -> Gaussian:
     """The Gaussian of windows (N, T, C) with the ridge that completes left-out takes best.
 
-    Every `LEFT_OUT`-th take is left out. A share p of the values of its windows is removed, drawn
-    from the seed, and completed by a Gaussian of the other takes, with each of `RIDGES`. Where
-    nothing can be left out, the ridge is `RIDGE`.
+    Every `LEFT_OUT`-th take is left out. A share p of the values of its windows, of those of which
+    all frames count, is removed, drawn from the seed, and completed by a Gaussian of the other
+    takes, with each of `RIDGES`: the ridge of the least mean square error is taken. Where nothing
+    can be left out, it is `RIDGE`.
 
     Parameters
     ----------

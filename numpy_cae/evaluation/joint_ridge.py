@@ -6,7 +6,8 @@ hidden features h of the frame, about their means over the training takes,
     B = argmin E ‖h - v B‖² + r ‖B‖² = (E[vᵀ v] + r I)⁻¹ E[vᵀ h],   ĥ = v B
 
 r is λ times the mean of the diagonal of E[vᵀ v]; λ is the one of `RIDGES` with the smallest error
-on every fifth training take, left out. Hoerl and Kennard, "Ridge regression", 1970.
+on every fifth training take, left out, and the middle one of fewer than five takes. Hoerl and
+Kennard, "Ridge regression", 1970.
 """
 
 from __future__ import annotations

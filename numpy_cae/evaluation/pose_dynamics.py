@@ -9,9 +9,11 @@ component,
 
     c_{t,i} = Σ_l a_{i,l} c_{t-l,i} + n_{t,i},   l = 1 … `LAGS`
 
-by least squares. Both are fitted to training takes. With the state s_t = (c_t, …, c_{t-LAGS+1}),
-the known values of a frame are linear in s_t, and E[s_t | all known values] is computed by the
-filter of Kalman (1960), forwards, and the smoother of Rauch, Tung and Striebel (1965), backwards:
+by least squares within each take, without a constant, and n has the variance of what is left. Both
+are fitted to training takes. With the state s_t = (c_t, …, c_{t-LAGS+1}), whose covariance in the
+first frame is E[s sᵀ] over the training takes, with `FLOOR` more on the diagonal, the known values
+of a frame are linear in s_t, and E[s_t | all known values] is computed by the filter of Kalman
+(1960), forwards, and the smoother of Rauch, Tung and Striebel (1965), backwards:
 
     s⁻_t = A s_{t-1},   P⁻_t = A P_{t-1} Aᵀ + Q
     K = P⁻_t Hᵀ (H P⁻_t Hᵀ + E)⁻¹,   s_t = s⁻_t + K (x_t - m - H s⁻_t),   P_t = P⁻_t - K H P⁻_t
@@ -40,7 +42,7 @@ FLOOR = 1e-6
 class PoseDynamics:
     """The principal components of poses and their autoregressions.
 
-    From takes (F, C) of normalised features, each of more than `LAGS` frames.
+    From takes (F, C) of normalised features; those of `LAGS` frames or fewer have no transitions.
 
     Attributes
     ----------

@@ -11,10 +11,14 @@ time, both sources of knowledge are weighed by their precisions,
 
     x̂_t = μ + (P + V⁻¹)⁻¹ V⁻¹ (m_t - μ)
 
-with V ≈ 0 for known values. S then is estimated again, from the x̂_t and the covariance that is left
-of each, which is expectation maximisation:
+with V ≈ 0 for known values. μ and S, first those of the m_t, then are estimated again, from the x̂_t
+and the covariance that is left of each, none of a frame that is known, which is expectation
+maximisation:
 
-    S ← mean_t ((x̂_t - μ)(x̂_t - μ)ᵀ + (P + V_t⁻¹)⁻¹)
+    μ ← mean_t x̂_t,    S ← mean_t ((x̂_t - μ)(x̂_t - μ)ᵀ + (P + V_t⁻¹)⁻¹)
+
+and m_t is weighed against the new S. Variances of columns, of which V is a share, are the diagonal
+of S + λ tr(S) I.
 
 References
 ----------

@@ -4,7 +4,8 @@ Gløersen and Federolf (2016) fill in markers that are hidden for a while by a r
 principal components of the visible markers. It is fitted to the complete frames of the same take,
 so that nothing has to be learned before. Here, with x_t the visible numbers in the frames t - 4,
 t and t + 4 (at thirty frames a second), y_t the hidden numbers, both less their means over the
-complete frames, and X and Y the matrices whose rows are these frames,
+complete frames, and X and Y the matrices whose rows are these frames (at a higher rate so many of
+them, evenly spaced, that they are 1/30 s apart),
 
     ŷ_t = x_t B + e_t,    B = (XᵀX + λ tr(XᵀX) I)⁻¹ Xᵀ Y
 

@@ -139,7 +139,9 @@ def add_residual(fill: Fill, columns: list[int]) -> Fill:
 
     The error is modelled as a Gaussian process over time. It is the sum of a constant of the take
     (posture), a part that fades within `MEMORY` rows (so that the hole begins without a jump), and
-    noise.
+    noise of the variance of this part. With r the errors in the rows T before the hole,
+
+        e_t = k(t, T) (k(T, T) + I)⁻¹ r,    k(d) = OFFSET + exp(-|d| / MEMORY)
     """
 
     def fill_and_correct(take: np.ndarray, first: int) -> np.ndarray:

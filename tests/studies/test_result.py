@@ -40,7 +40,7 @@ def test_the_text_has_tables_note_and_provenance(part):
     "sentence",
     [
         "sliding, jitter (nearer to the two motions'), nearest pose). Measured: 5 cm.",
-        "confirmed if at most a tenth of the squared error remains): takes <of> & more.",
+        "tenth of the squared error remains, which is 0.316 of the error): takes <of> & more.",
     ],
 )
 def test_the_text_of_a_claim_has_its_rule_and_its_figures(sentence):
