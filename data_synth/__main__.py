@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from data_synth.kinds import KINDS, require_kinds
 from data_synth.series import Plan, plan_cmu_scale, plan_takes
 from data_synth.write_series import write_series
+from numpy_cae.atomic_write import replacing
 from numpy_cae.progress import ProgressLine, time_to_go
 
 _EPILOG = f"""kinds: {", ".join(KINDS)}
@@ -33,7 +34,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             plans = plan_takes(args.minutes, args.seed, args.kinds)
         with ProgressLine() as line:
             report = None if args.quiet else _Progress(line, len(plans))
-            labels = write_series(plans, args.out, args.rate, report)
+            with replacing(args.overwrite):
+                labels = write_series(plans, args.out, args.rate, report)
     except (ValueError, OSError) as error:
         print(f"data_synth: {error}", file=sys.stderr)
         return 2
@@ -87,6 +89,9 @@ def _parser() -> argparse.ArgumentParser:
         type=_kinds,
         metavar="KIND,…",
         help="restrict to these kinds, separated by commas",
+    )
+    parser.add_argument(
+        "--overwrite", action="store_true", help="replace files that exist with other contents"
     )
     parser.add_argument("--quiet", action="store_true", help="print no progress")
     return parser

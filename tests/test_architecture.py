@@ -86,7 +86,10 @@ def test_the_root_imports_nothing_of_the_packages():
 def test_data_synth_needs_arrays_only_and_writes_files_in_one_module():
     for path in python_files("data_synth"):
         used = {name.split(".")[1] for name in imported_modules(path) if "numpy_cae." in name}
-        more = {"write_series.py": {"mocap", "atomic_write"}, "__main__.py": {"progress"}}
+        more = {
+            "write_series.py": {"mocap", "atomic_write"},
+            "__main__.py": {"progress", "atomic_write"},
+        }
         assert used <= {"motion"} | more.get(path.name, set()), path
 
 

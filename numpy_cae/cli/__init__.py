@@ -49,6 +49,9 @@ NARROWEST = 40
 """Help is laid out for at least this many columns."""
 SHELLS = ("bash", "zsh", "tcsh")
 """The shells for which `--completion` prints a script."""
+NO_MEMORY = "failed to map segment|[Cc]annot allocate memory|can't start new thread"
+"""What errors say that come from little memory, but are no MemoryError: where a compiled module is
+loaded, and where a thread begins."""
 
 
 class _PrintCompletion(argparse.Action):
@@ -125,7 +128,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
     except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
         problem = f"not enough memory. {error}" if isinstance(error, MemoryError) else str(error)
-        print(f"numpy-cae {name}: {problem}", file=sys.stderr)
+        print(f"numpy-cae {name}: {problem.strip()}", file=sys.stderr)
+        return 2
+    except (ImportError, RuntimeError) as error:
+        if not re.search(NO_MEMORY, str(error)):
+            raise
+        print(f"numpy-cae {name}: not enough memory. {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as interrupt:
         advice = str(interrupt) or "nothing more was written"

@@ -171,6 +171,7 @@ def keyframe_mask(frames: int, every: int) -> np.ndarray:
     if every < 1:
         raise ValueError(f"keyframes every {every} frames, expected 1 or more")
     frame = np.arange(frames)
+    every = min(every, max(frames, 1))  # any number above is one keyframe, too
     between = (frame % every > 0) & (frame < (frames - 1) // every * every)
     return np.repeat(between[:, None], len(JOINTS), axis=1)
 

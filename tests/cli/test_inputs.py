@@ -90,6 +90,58 @@ def test_a_mask_of_the_whole_motion_is_refused(entry, message, place, error_of):
     assert not (place / "out.bvh").exists()
 
 
+def test_a_refusal_of_all_that_a_mask_marks_names_its_file(place, error_of):
+    (place / "mask.json").write_text('[{"joint": "hips", "frames": [3, 9]}]')
+    words = "repair walk.bvh -m model.npz --dry-run --mask mask.json".split()
+    assert "mask.json: hips cannot move alone" in error_of(*words)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "sample -m model.npz -o out.bvh --number 999999999999",
+        "verify walk.py --memory-limit 1e20",
+        "verify walk.py --time-limit 1e308",
+    ],
+)
+def test_a_number_beyond_all_use_is_refused(command, place, error_of):
+    assert "expected at most" in error_of(*command.split())
+
+
+def test_keyframes_further_apart_than_the_motion_is_long_change_nothing(place, run):
+    run(*"fill walk.bvh -m model.npz -o out.bvh --keyframes".split(), 10**20)
+    assert (place / "out.bvh").read_bytes() == (place / "walk.bvh").read_bytes()
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device"])
+def test_a_zip_file_that_is_no_file_is_not_opened(kind, place, capsys):
+    if kind == "pipe":
+        os.mkfifo(place / "odd.zip")
+    else:
+        (place / "odd.zip").symlink_to("/dev/zero")
+    assert main(["verify", "odd.zip"]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "the zip file is not opened: it is no file" in said
+
+
+def test_corrections_that_are_a_link_to_nowhere_are_refused(place, error_of):
+    (place / "corrections.csv").symlink_to("nowhere.csv")
+    words = "verify walk.py --csv marks.csv".split()
+    assert "corrections.csv: there is no such file" in error_of(*words)
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="needs Linux")
+def test_a_table_that_cannot_be_read_is_named(place, error_of):
+    words = "verify walk.py --csv marks.csv --roster /proc/self/mem".split()
+    assert "/proc/self/mem: cannot be read: " in error_of(*words)
+
+
+def test_a_long_list_is_refused(place, error_of):
+    (place / "late.txt").write_bytes(b"a" * (2**24 + 1))
+    words = "verify walk.py --csv marks.csv --late late.txt".split()
+    assert "late.txt: it is larger than 16 MB" in error_of(*words)
+
+
 def test_a_mask_of_too_many_entries_is_refused(place, error_of):
     entry = '{"joint": "head", "frames": [3, 4]}'
     (place / "mask.json").write_text("[" + ",".join([entry] * 20_001) + "]")

@@ -236,11 +236,34 @@ def test_the_owner_of_a_file_stays(place, run):
         "compare walk.bvh second.bvh -m model.npz -o out/it --picture out/it",
         "repair walk.bvh -m model.npz -o out/it.bvh --findings out/it.bvh",
         "repair walk.bvh -m model.npz -o out/it.bvh --html --findings out/it.html",
+        "verify handed --csv out/it.csv --json out/it.csv",
+        "verify handed --csv out/it.csv --json out/it_statistics.csv",
+        "verify handed --csv out/it.csv --roster roster.csv --json out/it_import.csv",
+        "verify handed --json out/it.zip --feedback out/it.zip",
     ],
 )
 def test_two_outputs_with_one_name_are_refused(command, place, error_of):
     assert "would both write it" in error_of(*command.split())
     assert not any((place / "out").iterdir())
+
+
+@pytest.mark.parametrize("command", [REPAIR, FILL])
+def test_a_page_that_is_a_link_to_the_motion_is_refused(command, place, error_of):
+    (place / "out" / "it.html").symlink_to("it.bvh")
+    assert "would both write it" in error_of(*command.split())
+    assert not (place / "out" / "it.bvh").exists()
+
+
+def test_the_marks_do_not_replace_the_corrections(place, error_of):
+    corrections = place / "out" / "corrections.csv"
+    corrections.write_text("student,exercise,points,reason\nann,tanh,1,right\n")
+    error = error_of("verify", "handed", "--csv", corrections)
+    assert "is the name of the corrections" in error
+    assert os.listdir(place / "out") == ["corrections.csv"]
+
+
+def test_a_release_needs_a_name(place, error_of):
+    assert "there is a folder of this name" in error_of("lessons", "--release", "", "03")
 
 
 def test_a_model_needs_its_suffix(place, error_of):
@@ -265,3 +288,12 @@ def test_functions_replace_what_they_are_told_to(place):
     write_bvh(motion, "second.bvh")
     assert "Frames: 30" in Path("second.bvh").read_text()
     assert np.isfinite(motion.positions()).all()
+
+
+def test_findings_of_one_name_in_two_folders_are_kept_apart(place, run):
+    for folder in ("a", "b"):
+        (place / "both" / folder).mkdir(parents=True)
+        shutil.copy(place / "walk.bvh", place / "both" / folder)
+    run("repair", "both", "-m", "model.npz", "-o", "out", "--project", "--findings", "out")
+    names = sorted(str(path.relative_to(place / "out")) for path in place.glob("out/*/*"))
+    assert names == ["a/walk.bvh", "a/walk.json", "b/walk.bvh", "b/walk.json"]

@@ -111,6 +111,27 @@ def test_the_input_is_overwritten_on_request_only(folder, tmp_path, error_of, ru
     assert copy.read_bytes() != (folder / "walk.bvh").read_bytes()
 
 
+@pytest.mark.parametrize("command", ["fill --joint left_wrist", "repair --joint left_wrist"])
+def test_another_motion_of_the_rig_is_not_replaced(command, take, folder, tmp_path, error_of, run):
+    """Its hierarchy is longer than its motion, so that most lines of both files are the same."""
+    name, *options = command.split()
+    words = [name, folder / "walk.bvh", "-m", folder / "model.npz", *options]
+    other = tmp_path / "other.bvh"
+    moved = replace(take, translations=take.translations + 1).at(slice(0, 40))
+    write_bvh(moved, other, unit=0.0254)
+    before = other.read_bytes()
+    assert "exists and has other contents" in error_of(*words, "-o", other)
+    assert other.read_bytes() == before
+    run(*words, "-o", other, "--overwrite")
+    assert other.read_bytes() != before
+
+
+def test_an_earlier_repair_is_replaced(folder, tmp_path, run):
+    words = ["fill", folder / "walk.bvh", "-m", folder / "model.npz", "--joint", "left_wrist"]
+    for frames in ((3, 9), (4, 12)):
+        run(*words, "-o", tmp_path / "out.bvh", "--frames", *frames)
+
+
 @pytest.fixture(scope="module")
 def takes(tmp_path_factory):
     """A folder of two takes, one with a spike, and a file that is damaged beyond use."""

@@ -87,6 +87,7 @@ def test_an_interrupt_at_any_moment_is_one_line(number, tmp_path):
         time.sleep(0.01 + 0.05 * number)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=100)
-    assert process.returncode in (0, 3, 4, 130)
+    # While Python itself ends, the signal ends it.
+    assert process.returncode in (0, 3, 4, 130, -signal.SIGINT)
     assert "Traceback" not in said
     assert not [name for name in os.listdir(tmp_path) if ".part" in name]

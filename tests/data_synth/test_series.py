@@ -62,6 +62,18 @@ def test_the_command_writes_a_folder(tmp_path, capsys):
     assert {path.suffix for path in out.rglob("*.*")} == {".bvh", ".csv"}
 
 
+def test_a_file_of_the_users_is_not_replaced(tmp_path, capsys):
+    words = [str(tmp_path), "--minutes", "0.1", "--quiet"]
+    assert command_line.main(words) == command_line.main(words) == 0  # the same bytes
+    file = next(tmp_path.glob("*/*.bvh"))
+    file.write_text("mine")
+    assert command_line.main(words) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert file.read_text() == "mine"
+    assert command_line.main([*words, "--overwrite"]) == 0
+    assert file.read_text() != "mine"
+
+
 def test_a_folder_that_cannot_be_made_is_one_line(tmp_path, capsys):
     (tmp_path / "file").write_text("in the way")
     assert command_line.main([str(tmp_path / "file" / "out"), "--minutes", "0.1", "--quiet"]) == 2

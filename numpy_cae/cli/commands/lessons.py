@@ -30,10 +30,11 @@ def run(args: argparse.Namespace) -> int:
     """Write copies or a release, and print each file."""
     if (args.folder is None) == (args.release is None):
         raise ValueError("give a folder for students or --release")
-    file, *numbers = args.release or [None]
+    numbers = args.release[1:] if args.release else []
     lessons = copies.choose_lessons(args.source, [*numbers, *([args.only] if args.only else [])])
-    if file:
-        copies.write_release(lessons, Path(file))
+    if args.release:
+        file = Path(args.release[0])
+        copies.write_release(lessons, file)
         print(file)
         return 0
     for path, new in copies.write_copies(lessons, args.folder):

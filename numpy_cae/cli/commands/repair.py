@@ -8,7 +8,7 @@ those that the model learned, 1 if some of several files could not be used, 2 if
 
 examples, with the files that `numpy-cae demo` writes:
   numpy-cae repair demo/damaged.bvh -o fixed.bvh --html
-  numpy-cae repair demo/damaged.bvh -o fixed.bvh --from video
+  numpy-cae repair demo/damaged.bvh -o video.bvh --from video
   numpy-cae repair demo/damaged.bvh -o fixed.bvh --joint left_wrist --frames 30 75
   numpy-cae repair demo/damaged.bvh -o part.bvh --only 1
   numpy-cae repair demo/damaged.bvh --dry-run --findings found.json

@@ -21,6 +21,8 @@ from numpy_cae.motion.fit import fit_motion
 from numpy_cae.viz import PROJECTED, motion_actor
 
 SECONDS = 5.0
+MOST_MOTIONS = 10_000
+"""All motions are drawn before the first is written."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,6 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     require_bvh(args.output)
+    if args.number > MOST_MOTIONS:
+        raise ValueError(f"--number is {args.number}, expected at most {MOST_MOTIONS}")
     manifold = files.load_any_model(args)
     rng = np.random.default_rng(args.seed)
     if isinstance(manifold, SequenceManifold):

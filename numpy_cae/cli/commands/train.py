@@ -97,7 +97,8 @@ def run(args: argparse.Namespace) -> int:
     require_free(args.output)
     require_free(picture)
     learn = _learn_sequences if args.model == "sequential" else _learn_windows
-    with interruptible(checkpoint):
+    # A training that diverges ends with its rate and what to do, without NumPy's warnings before.
+    with interruptible(checkpoint), np.errstate(over="ignore", invalid="ignore"):
         settings = {
             "seed": args.seed,
             "report": None if args.quiet else training.ProgressPrinter(),

@@ -57,6 +57,9 @@ if TYPE_CHECKING:
 
 Grade = Callable[[], "FileReport"]
 """Grades one file."""
+LARGEST_LIMIT = 1e6
+"""Seconds, and megabytes; the system's own limits take whole numbers of bytes that are not much
+larger."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +87,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
+    for limit in ("time_limit", "memory_limit"):
+        if getattr(args, limit) > LARGEST_LIMIT:
+            option = f"--{limit.replace('_', '-')}"
+            raise ValueError(f"{option} is {getattr(args, limit):g}, expected at most 1e6")
     if (args.roster or args.late or args.teams) and not args.csv:
         raise ValueError("--roster, --late and --teams are about the table of --csv FILE")
     if args.csv and not args.overwrite:
@@ -115,6 +122,7 @@ def _grade_class(args: argparse.Namespace) -> int:
     from numpy_cae.course.marks.handed_in import HandedIn, find_files
     from numpy_cae.verify.grading.submission import SUFFIXES
 
+    _require_different_outputs(args)
     with tempfile.TemporaryDirectory() as unpacked:
         files: list[HandedIn] = []
         for path in args.files:
@@ -131,6 +139,22 @@ def _grade_class(args: argparse.Namespace) -> int:
             _print_reports(reports)
         _write_outputs(marks, reports, args)
     return _status(reports) if marks.is_certain else 1
+
+
+def _require_different_outputs(args: argparse.Namespace) -> None:
+    """Raise ValueError if two options would write one file, or the marks would be written to the
+    file of corrections."""
+    from numpy_cae.course.marks import corrections
+    from numpy_cae.course.marks.class_marks import import_path, statistics_path
+
+    outputs = {"--json": args.json, "--feedback": args.feedback}
+    if args.csv:
+        if args.csv.name == corrections.FILE:
+            raise ValueError(f"{args.csv}: is the name of the corrections of a table of marks")
+        outputs["--csv"] = args.csv
+        outputs["the statistics of --csv"] = statistics_path(args.csv)
+        outputs["the import of --csv"] = import_path(args.csv)
+    arguments.require_different(outputs)
 
 
 def _grade_and_write(marks: "ClassMarks", args: argparse.Namespace) -> list["FileReport"]:

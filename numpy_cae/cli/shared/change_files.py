@@ -35,9 +35,17 @@ class Outcome:
         self.targets = files.targets_of(args)
         self.is_single = files.is_single(args)
         findings = getattr(args, "findings", None)
-        if self.is_single and findings and args.output and not args.dry_run:
+        if self.is_single and not args.dry_run:
             page = args.output.with_suffix(".html") if args.html else None
             arguments.require_different({"--findings": findings, "-o": args.output, "--html": page})
+        self.findings: dict[Path, Path] = {}
+        """The file of findings of each motion, if --findings is given."""
+        if findings and self.is_single:
+            self.findings = dict.fromkeys(self.targets, findings)
+        elif findings:
+            names = files.named_files(args.files)
+            self.findings = {path: findings / names[path].with_suffix(".json") for path in names}
+            files.require_one_target_each(self.findings)
         self.rows: list[Row] = []
         self.unusable: list[str] = []
 
@@ -127,7 +135,8 @@ def write_motion(
         return {}
     _make_folder(outcome, target)
     assert isinstance(repaired.motion, FileMotion)  # made of the motion that was loaded
-    with replacing(True):  # `Outcome` has compared what exists with the source
+    args = outcome.args
+    with replacing(args.overwrite or not target.exists() or files.is_version(target, source)):
         repaired.motion.save(target, motion)
     return {target: str(repaired.motion)}
 
@@ -171,11 +180,9 @@ def _make_folder(outcome: Outcome, path: Path) -> None:
 
 def write_file_of_findings(outcome: Outcome, source: Path, repaired: Repaired) -> dict[Path, str]:
     """Write the file of --findings, or one in its folder, if it is asked for; what was written."""
-    path = outcome.args.findings
+    path = outcome.findings.get(source)
     if path is None:
         return {}
-    if not outcome.is_single:
-        path = path / f"{source.stem}.json"
     _make_folder(outcome, path)
     write_findings(path, repaired.listed())
     unchanged = f"{len(repaired.proposed)} not changed"

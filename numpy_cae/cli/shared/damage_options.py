@@ -6,6 +6,7 @@ from pathlib import Path
 from numpy_cae.cleanup.finding import Finding
 from numpy_cae.cleanup.mask_file import EXAMPLE, entry_findings, read_mask, require_movable
 from numpy_cae.cli.shared import arguments
+from numpy_cae.mocap.formats.text_file import MotionFileError
 from numpy_cae.motion import Motion
 from numpy_cae.motion.joints import LIMBS
 
@@ -51,5 +52,10 @@ def chosen_findings(args: argparse.Namespace, motion: Motion) -> list[Finding] |
         findings += entry_findings(entry | frames, motion)
     if args.mask:
         findings += read_mask(args.mask, motion)
-    require_movable(findings, motion)
+    try:
+        require_movable(findings, motion)
+    except ValueError as error:
+        if args.mask:
+            raise MotionFileError(args.mask, None, str(error)) from None
+        raise
     return list(dict.fromkeys(findings))

@@ -2,6 +2,7 @@
 the files that it writes."""
 
 import argparse
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from functools import partial
 from pathlib import Path
@@ -145,11 +146,31 @@ def _require_version(path: Path, source: Path) -> None:
         return
     require_place(path)  # a pipe would be waited for
     arguments.require_not_read(path, [source])
-    source_lines = set(source.read_bytes().splitlines())
-    lines = path.read_bytes().splitlines()
-    if 2 * sum(line in source_lines for line in lines) <= len(lines):
+    if not _has_lines_of(path.read_bytes().splitlines(), source.read_bytes().splitlines()):
         problem = f"exists and is no version of {source}; --overwrite replaces it"
         raise ValueError(f"{path}: {problem}")
+
+
+def is_version(path: Path, source: Path) -> bool:
+    """Whether most frames of a file that may be replaced are frames of the source.
+
+    Other motions of the rig have lines of the source, too: those of its hierarchy. Earlier results
+    of --project or --smooth have no frame of it; they are replaced by the same bytes only.
+    """
+    return _has_lines_of(_lines_of_frames(path), _lines_of_frames(source))
+
+
+def _lines_of_frames(path: Path) -> list[bytes]:
+    """The lines of a motion file after the hierarchy, if it has one, without those of one word,
+    such as the number of a frame in an Acclaim file."""
+    frames = re.split(rb"(?i)frame time:", path.read_bytes())[-1]
+    return [line for line in frames.splitlines() if len(line.split(None, 1)) > 1]
+
+
+def _has_lines_of(lines: list[bytes], source: list[bytes]) -> bool:
+    """Whether most of the lines are lines of the source."""
+    source_lines = set(source)
+    return 2 * sum(line in source_lines for line in lines) > len(lines)
 
 
 Take = TypeVar("Take", bound=Sized)

@@ -146,7 +146,7 @@ class ClassMarks:
     def keep_older_tables(self) -> None:
         """Keep the tables that will be replaced under names with a number."""
         if self.path:
-            for path in (self.path, _statistics_path(self.path), _import_path(self.path)):
+            for path in (self.path, statistics_path(self.path), import_path(self.path)):
                 keep_table(path)
 
     def write_marks(self, reports: Sequence[FileReport | None]) -> MarksTable | None:
@@ -184,10 +184,10 @@ class ClassMarks:
         if table is None or not self.path:
             return []
         best = [best_reports(files) for files in self.by_student(reports).values()]
-        write_statistics(_statistics_path(self.path), best)
+        write_statistics(statistics_path(self.path), best)
         if not self.roster.students:
             return []
-        return self._write_import(_import_path(self.path), table, reports)
+        return self._write_import(import_path(self.path), table, reports)
 
     def _write_import(
         self, path: Path, table: MarksTable, reports: Sequence[FileReport]
@@ -220,11 +220,13 @@ class ClassMarks:
         return uncertain
 
 
-def _statistics_path(table: Path) -> Path:
+def statistics_path(table: Path) -> Path:
+    """The file of the statistics beside a table of marks."""
     return table.with_stem(f"{table.stem}_statistics")
 
 
-def _import_path(table: Path) -> Path:
+def import_path(table: Path) -> Path:
+    """The file of the import beside a table of marks."""
     return table.with_stem(f"{table.stem}_import")
 
 

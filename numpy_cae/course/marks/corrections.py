@@ -28,7 +28,7 @@ class Correction:
 def read_corrections(folder: Path) -> list[Correction]:
     """The corrections in a folder, none if it has no such file; a ValueError names a wrong line."""
     path = folder / FILE
-    if not path.exists():
+    if not path.exists() and not path.is_symlink():  # a link to nowhere is a mistake
         return []
     columns, rows = read_table(path)
     missing = [column for column in COLUMNS if column not in columns]

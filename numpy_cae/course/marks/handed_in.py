@@ -245,6 +245,8 @@ def _unzip(path: Path, folder: Path) -> tuple[list[Path], list[Path]]:
     Exception
         If the zip file is damaged, holds too many files, or they are packed in another way.
     """
+    if not path.is_file():  # a pipe would be waited for, a device has no end
+        raise ValueError("it is no file")
     with zipfile.ZipFile(path) as packed:
         entries = [entry for entry in packed.infolist() if not entry.is_dir()]
         if len(entries) > MOST_FILES:

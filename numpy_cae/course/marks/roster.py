@@ -31,7 +31,7 @@ HEADINGS |= {"name", "full name", "login", "e-mail", "email"}
 OF_CANVAS = "SIS Login ID"
 """A column that only Canvas has. There a row without an ID is about no student."""
 POSSIBLE = "Points Possible"
-LARGEST_TABLE = 2**26
+LARGEST_TABLE = 2**24
 """A table may have at most this many bytes."""
 BYTE_ORDER_MARKS = {
     "utf-32": (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE),
@@ -157,7 +157,10 @@ def read_text(path: Path) -> tuple[str, str]:
         raise ValueError(f"{path}: {problem}")
     if path.stat().st_size > LARGEST_TABLE:
         raise ValueError(f"{path}: it is larger than {LARGEST_TABLE // 2**20} MB")
-    content = path.read_bytes()
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
     for encoding, marks in BYTE_ORDER_MARKS.items():
         if content.startswith(marks):
             try:
