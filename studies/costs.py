@@ -103,7 +103,7 @@ def write_walk(path: Path, seconds: float, spike: bool = False) -> Path:
     motion = make_take("walk", 0, seconds=10.0, rate=30.0).motion
     motion = motion.at(np.arange(round(30 * seconds)) % len(motion))
     if spike:
-        motion.rotations[40, motion.skeleton.index("lradius")] = (0.6, 0.0, 0.0, 0.8)
+        motion.rotations[40, motion.skeleton.index("lradius")] = (0.0, 0.0, 0.6, 0.8)
     write_bvh(motion, path, unit=0.01)
     return path
 
