@@ -20,7 +20,7 @@ from scipy.signal import butter, savgol_filter, sosfiltfilt
 from numpy_cae.cleanup import Preset, repair_motion
 from numpy_cae.cleanup.holes import Holes
 from numpy_cae.cleanup.interpolation import interpolate_joints, mark_missing_joints
-from numpy_cae.evaluation.baselines import Gaussian
+from numpy_cae.evaluation.baselines import fit_gaussian
 from numpy_cae.evaluation.tables import clips_of
 from numpy_cae.manifold import MotionManifold
 from numpy_cae.mocap import body_positions
@@ -203,7 +203,7 @@ def curve_filling(curve: Curve, motion: Motion, mask: np.ndarray) -> Motion:
 def gaussian_filling(manifold: MotionManifold, takes: list[LabelledTake]) -> Filling:
     """The missing values from the mean of a Gaussian of 15 frames, given the visible ones."""
     fitted = clips_of(manifold, [take.positions for take in evenly(takes, GAUSSIAN_TAKES)])
-    gaussian = Gaussian(fitted.x, fitted.real)
+    gaussian = fit_gaussian(fitted.x, fitted.real, fitted.take)
 
     def fill_in(motion: Motion, mask: np.ndarray) -> Motion:
         holes = Holes(Body(motion, manifold.lengths), mask)
