@@ -22,7 +22,11 @@ SMALL = {
     | {"DAMAGES": {kind: DAMAGES[kind] for kind in ("twisted leg", "dropped frames", "jitter")}},
     "sampling": {"DRAWN": 4},
     "comparison": {"QUERIES": 2, "OF_SCENE": 1, "SECONDS": 3.0, "NEAREST": 2},
-    "depth": {"FILTERS": (4, 6, 8), "recipe": lambda name: Schedule(layer=Stage(rate=0.02))},
+    "depth": {
+        "FILTERS": (4, 6, 8),
+        "ADAM_EPOCHS": 1,
+        "recipe": lambda name: Schedule(layer=Stage(rate=0.02)),
+    },
     "training_choices": {"FILTERS": (4, 6, 8)}
     | {"recipe": lambda name: Schedule(layer=Stage(rate=0.02))},
     "scaling": {"STEPS": 8, "SIZES": (4, 8), "PAPER_WINDOWS": 100},
