@@ -24,10 +24,16 @@ examples:
   python -m data_synth cmu --cmu-scale --rate 30"""
 
 
+MOST_MINUTES = 1e5
+"""All takes are planned before the first is written."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run with these arguments, by default the command line's; return the exit status."""
     args = _parser().parse_args(argv)
     try:
+        if args.minutes > MOST_MINUTES:
+            raise ValueError(f"--minutes is {args.minutes:g}, expected at most {MOST_MINUTES:g}")
         if args.cmu_scale:
             plans = plan_cmu_scale(args.seed, args.kinds)
         else:

@@ -49,6 +49,8 @@ NARROWEST = 40
 """Help is laid out for at least this many columns."""
 SHELLS = ("bash", "zsh", "tcsh")
 """The shells for which `--completion` prints a script."""
+TOO_LARGE = "Maximum allowed "
+"""What NumPy's ValueError says of an array of more bytes than there are addresses."""
 NO_MEMORY = "failed to map segment|[Cc]annot allocate memory|can't start new thread"
 """What errors say that come from little memory, but are no MemoryError: where a compiled module is
 loaded, and where a thread begins."""
@@ -127,7 +129,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except (NumpyCaeError, ValueError, OSError, MemoryError) as error:
-        problem = f"not enough memory. {error}" if isinstance(error, MemoryError) else str(error)
+        is_memory = isinstance(error, MemoryError) or TOO_LARGE in str(error)
+        problem = f"not enough memory. {error}" if is_memory else str(error)
         print(f"numpy-cae {name}: {problem.strip()}", file=sys.stderr)
         return 2
     except (ImportError, RuntimeError) as error:

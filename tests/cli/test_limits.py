@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from data_synth import make_take
+from numpy_cae.cli import main
 from numpy_cae.mocap import write_bvh
 
 COMMANDS = {
@@ -81,6 +82,32 @@ def test_little_memory_is_said_and_nothing_is_lost(name, megabytes, place):
     assert not any("Traceback" in line for line in said)
     if status == 2:
         assert {path: data for path, data in contents(place).items() if path in before} == before
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        ImportError("_core.so: failed to map segment from shared object"),
+        RuntimeError("can't start new thread"),
+        ValueError("Maximum allowed dimension exceeded"),
+    ],
+)
+def test_errors_that_come_from_little_memory_say_so(error, monkeypatch, error_of):
+    def fail(args):
+        raise error
+
+    monkeypatch.setattr("numpy_cae.cli.commands.rig.run", fail)
+    assert error_of("rig", "walk.bvh").startswith("numpy-cae rig: not enough memory.")
+
+
+def test_other_errors_of_an_import_are_not_hidden(monkeypatch):
+    def fail(args):
+        raise ImportError("no such module")
+
+    monkeypatch.setattr("numpy_cae.cli.commands.rig.run", fail)
+    with pytest.raises(ImportError, match="no such module"):
+        main(["rig", "walk.bvh"])
 
 
 @pytest.mark.thorough

@@ -62,6 +62,11 @@ def test_the_command_writes_a_folder(tmp_path, capsys):
     assert {path.suffix for path in out.rglob("*.*")} == {".bvh", ".csv"}
 
 
+def test_more_minutes_than_anybody_needs_are_refused(tmp_path, capsys):
+    assert command_line.main([str(tmp_path), "--minutes", "1e300"]) == 2
+    assert "expected at most 100000" in capsys.readouterr().err
+
+
 def test_a_file_of_the_users_is_not_replaced(tmp_path, capsys):
     words = [str(tmp_path), "--minutes", "0.1", "--quiet"]
     assert command_line.main(words) == command_line.main(words) == 0  # the same bytes
