@@ -172,11 +172,9 @@ def _complete_row(
     z: np.ndarray, is_known: np.ndarray, mean: np.ndarray, covariance: np.ndarray
 ) -> np.ndarray:
     """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (TAPS · C,)."""
-    from scipy.linalg import solve  # slow to import
-
     o = np.flatnonzero(is_known)
     weights = np.zeros(len(mean))
-    weights[o] = solve(covariance[np.ix_(o, o)], z[o] - mean[o], assume_a="pos")
+    weights[o] = np.linalg.solve(covariance[np.ix_(o, o)], z[o] - mean[o])
     return mean + covariance @ weights
 
 
