@@ -18,7 +18,7 @@ import threading
 import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from functools import lru_cache, partial
 from pathlib import Path
@@ -33,28 +33,26 @@ FUNCTION_NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_",
 @lru_cache(maxsize=1)
 def _openblas() -> tuple[Callable[[], int], Callable[[int], None]] | None:
     """The functions that read and set the number of threads; None where they are not found."""
-    for path in _library_paths():
-        functions = _thread_functions(path)
+    for library in _libraries():
+        functions = _thread_functions(library)
         if functions is not None:
             return functions
     return None
 
 
-def _library_paths() -> Iterator[Path]:
-    """The files that may be NumPy's own OpenBLAS."""
+def _libraries() -> Iterator[ctypes.CDLL]:
+    """The libraries that may be NumPy's own OpenBLAS, of those that can be loaded."""
     package = Path(np.__file__).parent
     for folder in (package.parent / "numpy.libs", package / ".libs", package / ".dylibs"):
-        yield from sorted(folder.glob("*openblas*"))
+        for path in sorted(folder.glob("*openblas*")):
+            with suppress(OSError):
+                yield ctypes.CDLL(str(path))
 
 
 def blas_kernel() -> str:
     """The name of the kernels that OpenBLAS uses on this processor, such as "SkylakeX"; "unknown"
     for another BLAS."""
-    for path in _library_paths():
-        try:
-            library = ctypes.CDLL(str(path))
-        except OSError:
-            continue
+    for library in _libraries():
         for name in FUNCTION_NAMES:
             read = getattr(library, name.format("get_corename"), None)
             if read is not None:
@@ -63,12 +61,10 @@ def blas_kernel() -> str:
     return "unknown"
 
 
-def _thread_functions(path: Path) -> tuple[Callable[[], int], Callable[[int], None]] | None:
-    """The same functions of the library in a file; None if it has none or cannot be loaded."""
-    try:
-        library = ctypes.CDLL(str(path))
-    except OSError:
-        return None
+def _thread_functions(
+    library: ctypes.CDLL,
+) -> tuple[Callable[[], int], Callable[[int], None]] | None:
+    """The same functions of a library; None if it has none."""
     for name in FUNCTION_NAMES:
         read = getattr(library, name.format("get_num_threads"), None)
         write = getattr(library, name.format("set_num_threads"), None)
