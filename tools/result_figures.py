@@ -54,7 +54,7 @@ TABLE = re.compile(
 whether its rows are columns."""
 STATEMENTS_PLACE = re.compile(r"(<!-- statements -->\n).*?(<!-- end of statements -->)", re.DOTALL)
 """Where a document has the statements of both papers."""
-JUDGES = ("claims_holden2015", "claims_jang2018", "claims", "sequences", "sequence_choices")
+JUDGES = ("claims", "claims_holden2015", "claims_jang2018", "sequences", "sequence_choices")
 """Reports whose claims are listed: a statement has those of the first one that judges it."""
 RATIOS_PLACE = re.compile(
     r"(<!-- ratios on (\d+) threads? -->\n).*?(<!-- end of ratios -->)", re.DOTALL
@@ -93,11 +93,11 @@ def keep(report: Path, file_name: str = "") -> None:
     has the name of the study unless one is given."""
     for study, result in json.loads(report.read_text(encoding="utf-8")).items():
         kept = {name: result[name] for name in ("title", "tables", "provenance")}
-        if result["claims"] and (file_name or study) in JUDGES:
+        name = file_name or study
+        if name in JUDGES:
             kept["claims"] = result["claims"]
         text = json.dumps(kept, indent=1, ensure_ascii=False)
-        path = DOCS / "tables" / f"{file_name or study}.json"
-        path.write_text(text + "\n", encoding="utf-8")
+        (DOCS / "tables" / f"{name}.json").write_text(text + "\n", encoding="utf-8")
 
 
 def draw_all() -> None:
