@@ -40,8 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw and write the motions."""
     require_bvh(args.output)
-    if args.number > MOST_MOTIONS:
-        raise ValueError(f"--number is {args.number}, expected at most {MOST_MOTIONS}")
+    arguments.require_at_most("--number", args.number, MOST_MOTIONS)
     manifold = files.load_any_model(args)
     rng = np.random.default_rng(args.seed)
     if isinstance(manifold, SequenceManifold):

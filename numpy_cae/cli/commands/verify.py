@@ -87,10 +87,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Grade each file; none of them can end the grading of the others."""
-    for limit in ("time_limit", "memory_limit"):
-        if getattr(args, limit) > LARGEST_LIMIT:
-            option = f"--{limit.replace('_', '-')}"
-            raise ValueError(f"{option} is {getattr(args, limit):g}, expected at most 1e6")
+    arguments.require_at_most("--time-limit", args.time_limit, LARGEST_LIMIT)
+    arguments.require_at_most("--memory-limit", args.memory_limit, LARGEST_LIMIT)
     if (args.roster or args.late or args.teams) and not args.csv:
         raise ValueError("--roster, --late and --teams are about the table of --csv FILE")
     if args.csv and not args.overwrite:

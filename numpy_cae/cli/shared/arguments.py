@@ -76,6 +76,12 @@ def reading(args: argparse.Namespace) -> dict[str, Any]:
     return {"unit": args.unit, "up": args.up, "floor": args.floor, "mapping": mapping}
 
 
+def require_at_most(option: str, value: float, most: float) -> None:
+    """Raise ValueError if the number of an option is beyond all use."""
+    if value > most:
+        raise ValueError(f"{option} is {value:g}, expected at most {most:,.0f}")
+
+
 def require_different(outputs: Mapping[str, Path | None]) -> None:
     """Raise ValueError if two options of a command, by name, would write one file."""
     options: dict[str, str] = {}
