@@ -10,7 +10,11 @@ rotations of bones of the manifold's lengths, and its feet are mended as `repair
 
 Random and even unpooling of the same hidden units (section 5): random unpooling "results in some
 noise in the produced animation", even unpooling "does result in smooth animation with no high
-frequency noise".
+frequency noise". Random unpooling is said to be "a good approximation for the inverse of max
+pooling process", even unpooling "not an accurate approximation". Two senses of an inverse are
+measured in each layer: the values before pooling, which are pooled and unpooled, and the pooled
+values, which are unpooled and pooled again. The share of the squared values that is left as error
+is 1 for zeros.
 
 What the filters express (section 6, "Once training is complete …"): one unit of a layer is raised
 at one moment from its mean to its 99th percentile in test windows; the layers below decode the
@@ -60,6 +64,11 @@ range of the hidden units."""
 TRUE = "truth"
 EVEN = "even unpooling"
 RANDOM = "random unpooling"
+REPEATED = "the value on both frames"
+BEFORE = "values before pooling"
+AGAIN = "pooled values, pooled again"
+GOOD = 0.1
+"""An inverse is a good approximation if at most this share of the squared values is left."""
 COLOURS = {TRUE: TRUTH, EVEN: PROJECTED, RANDOM: CORRUPTED}
 TAKES = 24
 """At most this many test takes are measured for their bones and feet."""
@@ -101,6 +110,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
         units(manifold, takes, testing, off, seed),
         constraints(manifold, evenly(takes, TAKES)),
         unpoolings(manifold, testing, seed),
+        inverses(manifold, testing, seed),
         filters(manifold, material, testing.pick_evenly(WINDOWS), seed),
     ]
     return combined("The representation and its limits", parts, sample)
@@ -353,6 +363,96 @@ def unpoolings(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
     return Result("", [Table("", header, rows)], claims, pictures)
 
 
+def inverses(manifold: MotionManifold, testing: Clips, seed: int) -> Result:
+    """How far each unpooling is from an inverse of the maximum; the masks are drawn from the
+    seed."""
+    rng = np.random.default_rng(seed)
+    errors: dict[tuple[str, str], list[np.ndarray]] = {}
+    x = testing.x
+    for number, layer in enumerate(manifold.network.layers):
+        maps, _ = ops.conv1d(x, layer.w, layer.b)
+        pooled, _ = ops.max_pool(maps)
+        x = np.tanh(pooled)
+        for name, unpooled in _unpool(pooled, rng).items():
+            again, _ = ops.max_pool(unpooled)
+            before = _squares(testing, unpooled - maps, maps, 2**number)
+            after = _squares(testing, again - pooled, pooled, 2 ** (number + 1))
+            errors.setdefault((BEFORE, name), []).append(before)
+            errors.setdefault((AGAIN, name), []).append(after)
+    rows = []
+    claims = []
+    for sense in (BEFORE, AGAIN):
+        of_sense = {name: errors[sense, name] for name in (RANDOM, EVEN, REPEATED)}
+        for name, of_layers in of_sense.items():
+            shares = [share.value for share in _shares_left(of_layers)]
+            rows.append([f"{sense}: {name}", *shares])
+        claims += _claims_of_inverses(sense, of_sense)
+    header = ["share of the squared values that is left", *_layer_names(manifold)]
+    return Result("", [Table("", header, rows)], claims)
+
+
+def _layer_names(manifold: MotionManifold) -> list[str]:
+    return [f"layer {number + 1}" for number in range(len(manifold.network.layers))]
+
+
+def _unpool(pooled: np.ndarray, rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """The pooled values (B, T, C) unpooled in each way, (B, 2T, C)."""
+    random, _ = ops.unpool_random(pooled, rng.random(pooled.shape) < 0.5)
+    even, _ = ops.unpool_even(pooled)
+    return {RANDOM: random, EVEN: even, REPEATED: np.repeat(pooled, 2, axis=1)}
+
+
+def _squares(testing: Clips, error: np.ndarray, values: np.ndarray, stride: int) -> np.ndarray:
+    """For each take the sum of the squares of an error and of the values, (K, 2), in the frames
+    that count, of which a hidden frame has `stride`."""
+    real = testing.real[:, ::stride]
+    rows = []
+    for number in np.unique(testing.take):
+        of_take = testing.take == number
+        sums = []
+        for array in (error, values):
+            sums.append(np.square(array[of_take][real[of_take]], dtype=np.float64).sum())
+        rows.append(sums)
+    return np.array(rows)
+
+
+def _shares_left(of_layers: list[np.ndarray]) -> list[Interval]:
+    """The share of the squared values that is left as error in each layer, from `_squares`."""
+    return [ratio_of_means(*squares.T) for squares in of_layers]
+
+
+def _claims_of_inverses(sense: str, of_sense: dict[str, list[np.ndarray]]) -> list[Claim]:
+    """Whether random unpooling is a good inverse, and even unpooling a worse one."""
+    shares = {name: _shares_left(of_layers) for name, of_layers in of_sense.items()}
+    listed = {}
+    is_good = {}
+    for name, of_layers in shares.items():
+        listed[name] = ", ".join(f"{share:.2f}" for share in of_layers)
+        is_good[name] = all_of(*(share.at_most(GOOD) for share in of_layers))
+    also = [name for name in (EVEN, REPEATED) if is_good[name]]
+    is_inaccurate = []
+    for even, random in zip(of_sense[EVEN], of_sense[RANDOM], strict=True):
+        is_inaccurate.append(ratio_of_means(*even.T).above(GOOD))
+        is_inaccurate.append(ratio_of_means(even[:, 0], random[:, 0]).above(1))
+    return [
+        Claim(
+            "random_inverse",
+            is_good[RANDOM],
+            f"by layer {listed[RANDOM]} of the squared values;",
+            sense,
+            f"{EVEN} {listed[EVEN]}; {REPEATED} {listed[REPEATED]}.",
+            " and ".join(also),
+        ),
+        Claim(
+            "even_inaccurate",
+            all_of(*is_inaccurate),
+            f"by layer {listed[EVEN]} of the squared values;",
+            sense,
+            f"{RANDOM} {listed[RANDOM]}.",
+        ),
+    ]
+
+
 def _jitters(testing: Clips, x: np.ndarray) -> np.ndarray:
     """For each take the mean jitter of its windows, of the frames that count, m/s²."""
     manifold = testing.manifold
@@ -511,16 +611,15 @@ def measure_filters(manifold: MotionManifold, clips: Clips) -> list[Filters]:
     measured = []
     for n in range(1, len(manifold.network.layers) + 1):
         units = manifold.network.encode(clips.x, layers=n)[clips.real[:, :: 2**n]]
-        energy = np.square(responses(manifold, units, n)[..., POSITIONS], dtype=np.float64)
-        energy = energy.reshape(*energy.shape[:2], len(JOINTS), 3).sum(axis=-1)
-        energy = energy[energy.sum(axis=(1, 2)) > SILENT]
-        frames = _count(energy.sum(axis=2))
-        joints = _count(energy.sum(axis=1))
+        energy = energy_of_responses(manifold, units, n)
+        frames = _quartiles(count_columns(energy.sum(axis=2)))
+        joints = _quartiles(count_columns(energy.sum(axis=1)))
         combined = None
         if n > 1:
             below = manifold.network.encode(clips.x, layers=n - 1)[clips.real[:, :: 2 ** (n - 1)]]
             weights = manifold.network.layers[n - 1].w * below.std(axis=0)[:, None]
-            combined = _count(np.square(weights, dtype=np.float64).sum(axis=0).T)
+            energy_of_weights = np.square(weights, dtype=np.float64).sum(axis=0).T
+            combined = _quartiles(count_columns(energy_of_weights))
         measured.append(Filters(frames, joints, combined, correlation_of(units)))
     return measured
 
@@ -546,9 +645,21 @@ def responses(manifold: MotionManifold, units: np.ndarray, n: int) -> np.ndarray
     return raised[:-1] - raised[-1]  # the last one has no unit raised
 
 
-def _count(energy: np.ndarray) -> Interval:
-    """The number of columns that have together `ENERGY` of each row's energy: the median and the
-    quartiles over the rows."""
+def energy_of_responses(manifold: MotionManifold, units: np.ndarray, n: int) -> np.ndarray:
+    """The energy of the response of each filter of layer n, (k, frames, joints), of the units
+    (N, k); filters that move nothing are left out."""
+    energy = np.square(responses(manifold, units, n)[..., POSITIONS], dtype=np.float64)
+    energy = energy.reshape(*energy.shape[:2], len(JOINTS), 3).sum(axis=-1)
+    return energy[energy.sum(axis=(1, 2)) > SILENT]
+
+
+def count_columns(energy: np.ndarray) -> np.ndarray:
+    """The number of columns that have together `ENERGY` of each row's energy."""
     share = np.sort(energy, axis=1)[:, ::-1].cumsum(axis=1) / energy.sum(axis=1, keepdims=True)
-    low, middle, high = np.percentile(1 + (share < ENERGY).sum(axis=1), (25, 50, 75))
+    return 1 + (share < ENERGY).sum(axis=1)
+
+
+def _quartiles(counts: np.ndarray) -> Interval:
+    """The median and the quartiles over the filters."""
+    low, middle, high = np.percentile(counts, (25, 50, 75))
     return Interval(float(middle), float(low), float(high))

@@ -11,7 +11,16 @@ from numpy_cae.verify import check_gradients
 from studies import scaling
 from studies.shared.judging import seeds_below
 from studies.shared.small_networks import EvenlyUnpooled
-from studies.training_choices import ALPHA_OF_NORMS, MeanPooled, mean_pooled, plain, shortened
+from studies.training_choices import (
+    ALPHA_OF_NORMS,
+    STAGES,
+    FirstLayer,
+    MeanPooled,
+    _compare_layers,
+    mean_pooled,
+    plain,
+    shortened,
+)
 
 
 def test_alpha_of_norms_has_the_gradients_of_norms():
@@ -69,3 +78,15 @@ def test_epochs_of_fine_tuning_follow_from_the_minutes():
 def test_each_stage_of_the_training_is_timed():
     seconds = scaling.time_steps(8)
     assert set(seconds) == set(scaling.PAPER_MINUTES)
+
+
+def test_layers_are_compared_number_by_number_and_seed_by_seed():
+    sparse = [FirstLayer(0.1, 8.0, 5.0), FirstLayer(0.2, 9.0, 5.0)]
+    free = [FirstLayer(0.3, 8.5, 5.0), FirstLayer(0.3, 8.5, 6.0)]
+    assert _compare_layers(sparse, free) == (True, None, None)
+
+
+def test_features_are_measured_before_and_after_fine_tuning(result_of):
+    claims = result_of("training_choices").claims
+    for key in ("sparsity_independent", "sparsity_local"):
+        assert [claim.of for claim in claims if claim.key == key] == list(STAGES)
