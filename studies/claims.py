@@ -36,6 +36,7 @@ from studies.shared.trained import Trainer
 from studies.training_choices import shortened
 
 STUDIES: dict[str, dict[str, Any]] = {
+    "kinds_of_motion": {},
     "representation": {},
     "sampling": {},
     "repair_sweep": {"shares": (0.5,)},

@@ -5,7 +5,8 @@ import pytest
 from studies.shared.result import measured, png, report, text
 
 NAMES = "repair_sweep filling_in interpolation comparison holes sampling "
-NAMES += "representation kinect depth wrist stepped_keys training_choices scaling"
+NAMES += "representation kinect depth wrist stepped_keys training_choices scaling "
+NAMES += "kinds_of_motion"
 WITHOUT_CLAIMS = ("filling_in",)
 
 

@@ -1,0 +1,187 @@
+"""PCA on one kind of motion and on many: holden2015, section 2.
+
+    python -m studies kinds_of_motion --data bandai --test '*_005.bvh' -m best.npz
+
+"PCA is an effective approach for modelling the manifold of human gait, although it cannot handle
+many different types of motion altogether." PCA is fitted to the training takes of all kinds, or to
+those of each kind by itself, and projects the test takes, undamaged. A kind is a content of the
+labels. PCA on frames has as many axes as the network has hidden values for each frame, so that both
+write a motion in as many numbers. PCA on windows has at most as many axes as there are windows to
+fit it to: with as many for one kind as for all, these are the fewest of a kind; beside the network
+it has all of its axes, at most as many as a window has hidden values.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from numpy_cae.evaluation import PCA
+from numpy_cae.evaluation.tables import Clips, apply_to_real_frames, clips_of
+from numpy_cae.manifold import MotionManifold
+from studies.shared.judging import all_of, ratio_of_errors, root_mean_square
+from studies.shared.material import Material, testing_of
+from studies.shared.result import Claim, Result, Table, combined
+
+FRAMES = "PCA on frames"
+WINDOWS = "PCA on windows"
+ALL = "one for all kinds"
+OWN = "one for each kind"
+ALL_AXES = "one for all kinds, all axes"
+NETWORK = "the network"
+GAIT = "walk"
+"""Kinds whose names have this word are gait."""
+EFFECTIVE = 0.1**0.5
+"""PCA is effective where a tenth of the squared error is left, which is this share of the error."""
+SIZES = (1, 2, 3, 5, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
+"""Numbers of axes of which the least effective one is looked for."""
+Rows = Callable[[Clips], np.ndarray]
+"""The rows of windows to which PCA is fitted."""
+
+
+def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
+    """Project the test takes by PCA of their kind and of all kinds, and by the network.
+
+    Raises ValueError where no kind has takes for training and for testing. The seed is not used.
+    """
+    used = material.labelled("kinds_of_motion")
+    training = Kinds.of(
+        used.training, clips_of(manifold, [take.positions for take in used.training])
+    )
+    testing = Kinds.of(used.testing, testing_of(manifold, used)[0])
+    kinds = [kind for kind in testing.counts() if training.counts().get(kind, 0) > 1]
+    if not kinds:
+        raise ValueError("kinds_of_motion needs windows of one kind for training and for testing")
+    training = training.pick(kinds)
+    testing = testing.pick(kinds)
+    hidden = manifold.network.encode(testing.clips.x[:1]).size
+    parts = []
+    for name, rows in {FRAMES: rows_of_frames, WINDOWS: rows_of_windows}.items():
+        numbers = hidden
+        fewest = min(training.counts().values()) - 1
+        if name == FRAMES:
+            numbers = min(hidden // manifold.window, testing.clips.x.shape[-1])
+            fewest = numbers
+        parts.append(_compare(name, rows, training, testing, numbers, fewest))
+        gait = [kind for kind in kinds if GAIT in kind]
+        if gait:
+            parts.append(_gait(name, rows, training.pick(gait), testing.pick(gait), numbers))
+    return combined("PCA on one kind of motion and on many", parts)
+
+
+@dataclass(frozen=True, eq=False)
+class Kinds:
+    """Windows and the kind of each."""
+
+    clips: Clips
+    kinds: np.ndarray  # (N,) of str
+
+    @classmethod
+    def of(cls, takes: Sequence, clips: Clips) -> "Kinds":
+        """The windows of labelled takes."""
+        return cls(clips, np.array([takes[number].content for number in clips.take]))
+
+    def pick(self, kinds: Sequence[str]) -> "Kinds":
+        """The windows of these kinds."""
+        chosen = np.isin(self.kinds, kinds)
+        clips = self.clips
+        picked = replace(clips, x=clips.x[chosen], real=clips.real[chosen], take=clips.take[chosen])
+        return Kinds(picked, self.kinds[chosen])
+
+    def counts(self) -> dict[str, int]:
+        """Kind to the number of its windows."""
+        names, counts = np.unique(self.kinds, return_counts=True)
+        return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
+
+
+def rows_of_frames(clips: Clips) -> np.ndarray:
+    """The frames that count, (M, 63)."""
+    return clips.x[clips.real]
+
+
+def rows_of_windows(clips: Clips) -> np.ndarray:
+    """The windows as rows of all their numbers."""
+    return clips.x.reshape(len(clips), -1)
+
+
+def _compare(
+    name: str, rows: Rows, training: Kinds, testing: Kinds, numbers: int, fewest: int
+) -> Result:
+    """PCA of all kinds, with as many axes as each kind has for itself, and with at most as many
+    numbers as the network has."""
+    axes = min(numbers, max(fewest, 1))
+    of_all = PCA.fit(rows(training.clips))
+    projected = {
+        ALL: of_all.project(testing.clips.x, axes),
+        OWN: _project_by_kind(rows, training, testing, axes),
+        ALL_AXES: of_all.project(testing.clips.x, numbers),
+        NETWORK: _project_by_network(testing.clips),
+    }
+    squares = {of: testing.clips.squares_by_take(x) for of, x in projected.items()}
+    most = min(numbers, len(of_all.axes))
+    table_rows: list[list[object]] = []
+    for of, used in {ALL: axes, OWN: axes, ALL_AXES: most, NETWORK: numbers}.items():
+        label = of if of == NETWORK else f"{name}, {of}"
+        table_rows.append([label, used, root_mean_square(squares[of])])
+    to_own = ratio_of_errors(squares[ALL], squares[OWN])
+    to_network = ratio_of_errors(squares[ALL_AXES], squares[NETWORK])
+    errors = {of: f"{root_mean_square(of_takes):.2f} cm" for of, of_takes in squares.items()}
+    claim = Claim(
+        "pca_many_types",
+        all_of(to_own.above(1), to_network.above(1)),
+        f"{axes} axes {errors[ALL]}, {to_own:.2f} of the error with one for each kind; {most} axes "
+        f"{errors[ALL_AXES]}, {to_network:.2f} of the network's;",
+        name,
+        f"one for each kind {errors[OWN]}; the network, {numbers} numbers, {errors[NETWORK]}.",
+    )
+    header = ["projection of all kinds", "numbers", "error, cm"]
+    return Result("", [Table("", header, table_rows)], [claim])
+
+
+def _gait(name: str, rows: Rows, training: Kinds, testing: Kinds, numbers: int) -> Result:
+    """What PCA of walks leaves of the error of their mean pose."""
+    fitted = PCA.fit(rows(training.clips))
+    mean_pose = rows_of_frames(training.clips).mean(axis=0)
+    at_mean = testing.clips.squares_by_take(np.broadcast_to(mean_pose, testing.clips.x.shape))
+
+    def squares_of(size: int) -> np.ndarray:
+        return testing.clips.squares_by_take(fitted.project(testing.clips.x, size))
+
+    most = min(numbers, len(fitted.axes))
+    left = ratio_of_errors(squares_of(most), at_mean)
+    by_network = ratio_of_errors(
+        testing.clips.squares_by_take(_project_by_network(testing.clips)), at_mean
+    )
+    least = None
+    for size in SIZES:
+        if size > most:
+            break
+        if root_mean_square(squares_of(size)) <= EFFECTIVE * root_mean_square(at_mean):
+            least = size
+            break
+    enough = f"{least} axes are enough" if least else "no number of axes is enough"
+    claim = Claim(
+        "pca_gait",
+        left.at_most(EFFECTIVE),
+        f"{left:.3f} of the error of the mean pose is left with {most} axes, {enough};",
+        name,
+        f"the network {by_network:.3f}.",
+    )
+    row = [f"{name} of walks", most, root_mean_square(squares_of(most))]
+    at = ["mean pose of walks", 0, root_mean_square(at_mean)]
+    header = ["projection of walks", "numbers", "error, cm"]
+    return Result("", [Table("", header, [row, at])], [claim])
+
+
+def _project_by_kind(rows: Rows, training: Kinds, testing: Kinds, axes: int) -> np.ndarray:
+    """The test windows, each projected by PCA of its kind."""
+    projected = np.zeros_like(testing.clips.x)
+    for kind in testing.counts():
+        of_kind = PCA.fit(rows(training.pick([kind]).clips))
+        chosen = testing.kinds == kind
+        projected[chosen] = of_kind.project(testing.clips.x[chosen], axes)
+    return projected
+
+
+def _project_by_network(clips: Clips) -> np.ndarray:
+    return apply_to_real_frames(clips.manifold.project_windows, clips.real, clips.x)
