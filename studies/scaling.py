@@ -10,24 +10,34 @@ seconds of the processor, on windows of random numbers, whose values do not matt
 time of the whole training is that of so many steps. PCA is timed on a tenth of the windows, and
 grows at most with the cube of their number.
 
+Other methods: section 2 says that kernel methods "cannot scale as the covariance matrix grows as
+the square of the number of data points used", section 7 that data structures such as KD trees are
+"very computationally expensive" and that PCA is scalable. Time and memory of kernel PCA, with all
+windows and with a few landmarks (Williams and Seeger 2001), are measured on growing numbers of
+windows; a KD tree on a twentieth of the paper's windows, where building grows as N log N and a
+search that prunes nothing as N².
+
 Error: networks of half of the filters learn from a quarter, half and all of the training takes, as
 does a linear map of 15 frames.
 """
 
 import time
-from collections.abc import Callable
+import tracemalloc
+from collections.abc import Callable, Sequence
+from math import log
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from numpy_cae.evaluation import PCA
 from numpy_cae.evaluation.baselines import Gaussian
-from numpy_cae.evaluation.tables import LINEAR
+from numpy_cae.evaluation.tables import LINEAR, NETWORK
 from numpy_cae.fast import accelerate
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import TrainingState, recipe, train_autoencoder
 from studies.shared.judging import Interval, all_of, seeds_below
 from studies.shared.material import Material
-from studies.shared.result import Claim, Result, Table
+from studies.shared.result import Claim, Result, Table, combined
 from studies.shared.small_networks import EPOCHS, SEEDS, P, SmallNetworks, mean_and_range
 from studies.shared.trained import Trainer
 from studies.training_choices import shortened
@@ -45,6 +55,20 @@ PARTS = (4, 2, 1)
 MOST_SLOPE = 1.1
 SLOPES = 3
 """So often a slope is measured: one alone varies by a tenth with what else the machine does."""
+KERNEL_SIZES = (200, 400, 800)
+"""Windows to which kernel methods and PCA are fitted to see how their time and memory grow."""
+MEMORY_SIZES = (10, 20, 40)
+"""Windows of the trainings whose memory is measured."""
+LANDMARKS = 100
+LEAST_POWER = 1.5
+"""A cost that grows with at least this power of the number of windows is nearer to the square than
+to proportion."""
+TREE_PART = 20
+"""A KD tree is built of this part of the paper's windows."""
+KERNEL = "kernel PCA"
+KERNEL_OF_LANDMARKS = f"kernel PCA with {LANDMARKS} landmarks"
+TREE = "KD tree of windows"
+PAIRS = "distances of all pairs"
 
 
 def run(
@@ -56,7 +80,7 @@ def run(
 ) -> Result:
     """Time the training, and train on parts of the takes."""
     networks = SmallNetworks.of(material, trainer, seed, seeds)
-    times, in_time = _time_training()
+    times, in_time, minutes = _time_training()
     slope = _slope_of(time_steps)
     slope_of_map = _slope_of(fit_linear_map)
     errors = {}
@@ -86,10 +110,16 @@ def run(
         opponent=f"{LINEAR}: power {slope_of_map:.2f}, {map_of_few:.3f} and {map_of_all:.3f} cm.",
         fulfilled_by=LINEAR if map_scales else "",
     )
-    return Result("Scaling with the data", [times, table], [in_time, scales])
+    parts = [
+        Result("", [times, table], [in_time, scales]),
+        _compare_kernels(slope, slope_of_map),
+        _time_trees(minutes),
+        _scale_pca(),
+    ]
+    return combined("Scaling with the data", parts)
 
 
-def _time_training() -> tuple[Table, Claim]:
+def _time_training() -> tuple[Table, Claim, Interval]:
     """The minutes of the paper's training with the paper's windows, counted from steps."""
     rows: list[list[object]] = []
     minutes = {}
@@ -120,7 +150,8 @@ def _time_training() -> tuple[Table, Claim]:
         opponent=f"PCA on windows at most {of_pca:.0f} minutes.",
         fulfilled_by="PCA on windows" if of_pca <= limit else "",
     )
-    return Table(caption, header, rows, ("", ".2f", "", ".0f", "", "")), claim
+    table = Table(caption, header, rows, ("", ".2f", "", ".0f", "", ""))
+    return table, claim, Interval(middle, low, high)
 
 
 def time_steps(windows: int) -> dict[str, list[float]]:
@@ -148,16 +179,166 @@ def fit_linear_map(windows: int) -> np.ndarray:
     return Gaussian(x, np.ones(x.shape[:2], bool)).linear_map(P)
 
 
-def _slope_of(learn: Callable[[int], object]) -> Interval:
+def _slope_of(learn: Callable[[int], object], sizes: Sequence[int] | None = None) -> Interval:
     """The slope of the logarithm of the time of learning over that of the number of windows: the
-    median of `SLOPES` measurements, the smallest and the largest."""
+    median of `SLOPES` measurements, the smallest and the largest. The sizes are `SIZES` unless
+    others are given."""
+    sizes = sizes or SIZES
     slopes = []
     for _ in range(SLOPES):
         seconds = []
-        for windows in SIZES:
+        for windows in sizes:
             seconds.append(_seconds(lambda windows=windows: learn(windows)))
-        slopes.append(float(np.polyfit(np.log(SIZES), np.log(seconds), 1)[0]))
+        slopes.append(_slope(sizes, seconds))
     return Interval(float(np.median(slopes)), min(slopes), max(slopes))
+
+
+def _slope(sizes: Sequence[int], costs: Sequence[float]) -> float:
+    """The power with which the costs grow with the sizes."""
+    return float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
+
+
+def _slope_of_memory(learn: Callable[[int], object], sizes: Sequence[int]) -> float:
+    """The slope of the logarithm of the memory that learning needs over that of the number of
+    windows; what exists before is not counted."""
+    peaks = []
+    for windows in sizes:
+        tracemalloc.start()
+        try:
+            learn(windows)
+            peaks.append(float(tracemalloc.get_traced_memory()[1]))
+        finally:
+            tracemalloc.stop()
+    return _slope(sizes, peaks)
+
+
+def fit_kernel_pca(rows: np.ndarray) -> np.ndarray:
+    """The coordinates (N, N) of rows (N, D) on all axes of kernel PCA (Schölkopf et al. 1998), with
+    the Gaussian kernel of the median distance."""
+    distances = squared_distances(rows, rows)
+    covariance = np.exp(-distances / np.median(distances))
+    mean = covariance.mean(axis=0)
+    covariance += mean.mean() - mean - mean[:, None]
+    spread, vectors = np.linalg.eigh(covariance)
+    return vectors * np.sqrt(spread.clip(0))
+
+
+def fit_landmarks(rows: np.ndarray) -> np.ndarray:
+    """The coordinates (N, L) of rows (N, D) by Nyström's method, of which the inner products
+    approximate the Gaussian kernel: K_NL K_LL^(-1/2) for the first L rows as landmarks."""
+    landmarks = rows[:LANDMARKS]
+    scale = np.median(squared_distances(landmarks, landmarks))
+    spread, vectors = np.linalg.eigh(np.exp(-squared_distances(landmarks, landmarks) / scale))
+    axes = vectors / np.sqrt(spread.clip(1e-6))
+    return np.exp(-squared_distances(rows, landmarks) / scale) @ axes
+
+
+def squared_distances(rows: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """‖a - b‖² of rows (N, D) and (M, D), (N, M), by one matrix product."""
+    squares = np.einsum("ij,ij->i", rows, rows)
+    squares_of_others = np.einsum("ij,ij->i", others, others)
+    return squares[:, None] + squares_of_others - 2 * rows @ others.T
+
+
+def _compare_kernels(of_network: Interval, of_map: Interval) -> Result:
+    """How time and memory of kernel PCA grow with the windows, beside those of the network, whose
+    time is given, and of the linear map."""
+    rows = _random_windows(max(KERNEL_SIZES)).reshape(max(KERNEL_SIZES), -1)
+    windows = _random_windows(max(MEMORY_SIZES))
+    schedule = shortened(recipe("paper"), 1)
+
+    def train(count: int) -> TrainingState:
+        return train_autoencoder(accelerate(ConvAutoencoder()), windows[:count], schedule)
+
+    kernels = {KERNEL: fit_kernel_pca, KERNEL_OF_LANDMARKS: fit_landmarks}
+    times = {NETWORK: of_network, LINEAR: of_map}
+    memory = {NETWORK: _slope_of_memory(train, MEMORY_SIZES)}
+    for name, fit in kernels.items():
+
+        def fit_to(count: int, fit: Callable[[np.ndarray], np.ndarray] = fit) -> np.ndarray:
+            return fit(rows[:count])
+
+        times[name] = _slope_of(fit_to, KERNEL_SIZES)
+        memory[name] = _slope_of_memory(fit_to, KERNEL_SIZES)
+    grows = all_of(_at_least(times[KERNEL], LEAST_POWER), memory[KERNEL] >= LEAST_POWER)
+    scales = {}
+    listed = {}
+    for name, power in memory.items():
+        scales[name] = all_of(times[name].at_most(MOST_SLOPE), power <= MOST_SLOPE)
+        listed[name] = f"{times[name]:.2f} and {power:.2f}"
+    claim = Claim(
+        "kernels_grow",
+        all_of(grows, scales[NETWORK]),
+        f"time and memory of {KERNEL} grow with the powers {listed[KERNEL]} of the windows, of the "
+        f"network {listed[NETWORK]};",
+        opponent=f"{KERNEL_OF_LANDMARKS} {listed[KERNEL_OF_LANDMARKS]}; {LINEAR} in time "
+        f"{of_map:.2f}.",
+        fulfilled_by=f"{KERNEL_OF_LANDMARKS}, which grows no faster than the network"
+        if scales[KERNEL_OF_LANDMARKS]
+        else "",
+    )
+    table_rows = [[name, power.value, memory.get(name)] for name, power in times.items()]
+    header = ["learning", "time", "memory"]
+    return Result("", [Table("Power of the windows:", header, table_rows)], [claim])
+
+
+def _at_least(power: Interval, bound: float) -> bool | None:
+    """Whether all measurements are at least the bound; None where some are."""
+    if power.low >= bound:
+        return True
+    return False if power.high < bound else None
+
+
+def _time_trees(training: Interval) -> Result:
+    """The minutes of a KD tree of the paper's windows beside those of the training."""
+    count = max(PAPER_WINDOWS // TREE_PART, 2)
+    rows = _random_windows(count).reshape(count, -1)
+    trees = []
+    building = _seconds(lambda: trees.append(KDTree(rows)))
+    searching = _seconds(lambda: trees[0].query(rows, k=2))
+    comparing = _seconds(lambda: squared_distances(rows, rows))
+    growth = PAPER_WINDOWS / count
+    minutes_building = building * growth * log(PAPER_WINDOWS) / log(count) / 60
+    minutes = minutes_building + searching * growth**2 / 60
+    minutes_comparing = comparing * growth**2 / 60
+    fulfilled: bool | None = None
+    if minutes > training.high:
+        fulfilled = True
+    elif minutes <= training.low:
+        fulfilled = False
+    claim = Claim(
+        "trees_expensive",
+        fulfilled,
+        f"{minutes_building:.1f} minutes for the tree, {minutes:.0f} with the search; the training "
+        f"{training:.0f};",
+        opponent=f"{PAIRS} {minutes_comparing:.1f} minutes.",
+        fulfilled_by=PAIRS if minutes_comparing > training.high else "",
+    )
+    table_rows = [
+        [f"{TREE}, built", minutes_building],
+        [f"{TREE}, with the nearest of each window", minutes],
+        [PAIRS, minutes_comparing],
+        ["the paper's training", training.value],
+    ]
+    caption = f"{PAPER_WINDOWS} windows, processor time:"
+    return Result("", [Table(caption, ["what", "minutes"], table_rows, ".1f")], [claim])
+
+
+def _scale_pca() -> Result:
+    """How the time of fitting PCA to frames and to windows grows."""
+    windows = _random_windows(max(KERNEL_SIZES))
+    fits = {
+        "PCA on frames": lambda count: PCA.fit(windows[:count].reshape(-1, windows.shape[2])),
+        "PCA on windows": lambda count: PCA.fit(windows[:count].reshape(count, -1)),
+    }
+    rows = []
+    claims = []
+    for name, fit in fits.items():
+        power = _slope_of(fit, KERNEL_SIZES)
+        rows.append([name, power.value])
+        figures = f"the time grows with the power {power:.2f} of the windows."
+        claims.append(Claim("pca_scales", power.at_most(MOST_SLOPE), figures, name))
+    return Result("", [Table("Growth with the windows:", ["fitting", "time"], rows)], claims)
 
 
 def _minutes_of_pca() -> float:
