@@ -24,7 +24,7 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.weighted_completion import complete_weighted
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
-from studies.shared.judging import ratio_of_errors, root_mean_square
+from studies.shared.judging import negate, ratio_of_errors, root_mean_square
 from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Picture, Result, Table, moving
 
@@ -153,9 +153,18 @@ def _claims(squares: dict[str, np.ndarray]) -> list[Claim]:
         claims.append(Claim(key, fulfilled, figures, "", opponent, " and ".join(also)))
     claims.append(_claim_against(squares, "better_than_simple", tables.NETWORK, simple))
     with_mask = min(tables.SIMPLE_WITH_MASK, key=lambda name: errors[name])
+    claims.append(_claim_of_information(squares, errors))
     claims.append(_claim_of_completion(squares, with_mask))
     claims.append(_claim_of_transitions(squares))
     return claims
+
+
+def _claim_of_information(squares: dict[str, np.ndarray], errors: dict[str, float]) -> Claim:
+    """Whether the values that are left say nothing of the removed half."""
+    best = min((*tables.SIMPLE_WITH_MASK, tables.COMPLETED), key=lambda name: errors[name])
+    left = ratio_of_errors(squares[best], squares[tables.DAMAGED])
+    figures = f"{best}: {errors[best]:.2f} cm, {left:.3f} of the error."
+    return Claim("half_of_information", negate(left.below(0.5**0.5)), figures)
 
 
 def _claim_of_completion(squares: dict[str, np.ndarray], simple: str) -> Claim:

@@ -16,6 +16,10 @@ measured in each layer: the values before pooling, which are pooled and unpooled
 values, which are unpooled and pooled again. The share of the squared values that is left as error
 is 1 for zeros.
 
+Section 5 says of the tanh that it clips the input "to the subspace" and allows "to construct a
+non-linear manifold": windows are stretched about the mean pose, and the mean of the hidden units of
+two windows is decoded.
+
 What the filters express (section 6, "Once training is complete …"): one unit of a layer is raised
 at one moment from its mean to its 99th percentile in test windows; the layers below decode the
 difference. A filter moves the joints and lasts the frames that have together nine tenths of the
@@ -27,6 +31,7 @@ uncorrelated in the frames that they are fitted to.
 
 from collections.abc import Callable
 from dataclasses import astuple, dataclass
+from functools import partial
 from time import process_time
 from timeit import repeat
 from typing import NamedTuple
@@ -36,7 +41,7 @@ import numpy as np
 from numpy_cae import ops
 from numpy_cae.cleanup.feet import find_feet, mend_feet
 from numpy_cae.cleanup.view import View
-from numpy_cae.evaluation import jitter, position_error
+from numpy_cae.evaluation import PCA, jitter, position_error
 from numpy_cae.evaluation.baselines import Gaussian, gather_context
 from numpy_cae.evaluation.tables import Clips, clips_of
 from numpy_cae.manifold import MotionManifold, hidden_units
@@ -47,7 +52,7 @@ from numpy_cae.motion.features import bone_lengths, change_lengths
 from numpy_cae.motion.fit import fit_motion
 from numpy_cae.viz import CORRUPTED, PROJECTED, TRUTH
 from studies.comparison import untrained
-from studies.shared.judging import Interval, all_of, ratio_of_means
+from studies.shared.judging import Interval, all_of, ratio_of_errors, ratio_of_means
 from studies.shared.material import Material, evenly, features_of, testing_of
 from studies.shared.result import Claim, Result, Table, combined, moving
 from studies.shared.validity import Validity, ValidityMeasure
@@ -70,6 +75,22 @@ AGAIN = "pooled values, pooled again"
 GOOD = 0.1
 """An inverse is a good approximation if at most this share of the squared values is left."""
 COLOURS = {TRUE: TRUTH, EVEN: PROJECTED, RANDOM: CORRUPTED}
+UNTURNED = 1e-4
+"""Features of a turned take may differ by at most this."""
+PIECE = 80
+"""Frames of the pieces in which takes are projected beside windows and wholes."""
+VARIABLE = 1.1
+"""The length of a window is variable if the error grows at most so much."""
+STRETCHED = 3.0
+"""So many times the deviations from the mean pose are projected."""
+CLIPPED = 2.0
+"""They are clipped if their projection is at most so many times as far from training poses."""
+STRETCHED_WINDOWS = 12
+STRETCHED_TAKES = 60
+"""At most so many training takes, which have the nearest poses."""
+NON_LINEAR = 0.1
+"""A manifold is not linear if a decoded mean is farther from the mean of decodings than this share
+of their distance."""
 TAKES = 24
 """At most this many test takes are measured for their bones and feet."""
 NOISY = 2.0
@@ -96,6 +117,9 @@ PROJECTED_TAKES = "projected"
 AVERAGED = "averaged over shifts"
 CONSTRAINED = "constant bones, mended feet"
 COMPONENTS = "principal components of 15 frames"
+TRAINED = "the network"
+INITIAL = "an untrained network"
+PRINCIPAL = "PCA on frames"
 SILENT = 1e-8
 """A filter whose response has less energy than this moves nothing, and is left out."""
 
@@ -105,12 +129,15 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     filters. The seed is for the masks of unpooling and for the untrained network."""
     testing, sample = testing_of(manifold, material)
     takes = features_of(manifold, material.testing)
+    turned = max(_change_by_turning(manifold, take.positions) for take in material.testing)
     off = max(_error_of_path(manifold, take.positions) for take in material.testing)
     parts = [
         units(manifold, takes, testing, off, seed),
+        Result("", [], [_claim_of_lengths(manifold, takes), _claim_of_heading(turned)]),
         constraints(manifold, evenly(takes, TAKES)),
         unpoolings(manifold, testing, seed),
         inverses(manifold, testing, seed),
+        non_linearity(manifold, material, testing, seed),
         filters(manifold, material, testing.pick_evenly(WINDOWS), seed),
     ]
     return combined("The representation and its limits", parts, sample)
@@ -305,6 +332,50 @@ def _error_of_path(manifold: MotionManifold, positions: np.ndarray) -> float:
     return float(100 * np.linalg.norm(back - body, axis=-1).max())
 
 
+def _change_by_turning(manifold: MotionManifold, positions: np.ndarray) -> float:
+    """The largest change of a feature of a motion that is moved along the floor and turned by one
+    radian."""
+    turn = np.array([[np.cos(1), 0, np.sin(1)], [0, 1, 0], [-np.sin(1), 0, np.cos(1)]])
+    moved = positions @ turn.T + np.array([3.0, 0.0, -2.0])
+    return float(np.abs(manifold.features(moved)[0] - manifold.features(positions)[0]).max())
+
+
+def _claim_of_heading(turned: float) -> Claim:
+    return Claim("heading_removed", turned <= UNTURNED, f"they change by at most {turned:.1e}.")
+
+
+def _claim_of_lengths(manifold: MotionManifold, takes: list[np.ndarray]) -> Claim:
+    """Whether takes are projected as well in shorter pieces and as wholes as in windows."""
+    whole = max(len(take) for take in takes)
+    squares = {}
+    for length in (PIECE, manifold.window, whole):
+        squares[length] = np.array([_squares_in_pieces(manifold, x, length) for x in takes])
+    in_windows = squares[manifold.window]
+    pieces = ratio_of_errors(squares[PIECE], in_windows)
+    wholes = ratio_of_errors(squares[whole], in_windows)
+    return Claim(
+        "window_variable",
+        all_of(pieces.at_most(VARIABLE), wholes.at_most(VARIABLE)),
+        f"in pieces of {PIECE} frames {pieces:.3f} times the error in windows of "
+        f"{manifold.window}, as wholes {wholes:.3f}.",
+    )
+
+
+def _squares_in_pieces(
+    manifold: MotionManifold, features: np.ndarray, length: int
+) -> tuple[float, int]:
+    """The sum of the squared errors of a take that is projected in pieces of at most so many
+    frames, cm², and their number."""
+    stride = manifold.stride
+    x = manifold.normalise(features[: max(len(features) // stride, 1) * stride])
+    total = 0.0
+    for start in range(0, len(x), length):
+        piece = x[None, start : start + length]
+        gap = (manifold.project_windows(piece) - piece) / manifold.scale
+        total += 1e4 * float(np.square(gap[..., POSITIONS], dtype=np.float64).sum())
+    return total, x[:, POSITIONS].size
+
+
 def _changes(manifold: MotionManifold, takes: list[np.ndarray]) -> dict[str, np.ndarray]:
     """By how much a delay of one frame changes the units of layer 1 of each take, in deviations of
     the units: with max pooling, with the mean of each pair, and with every second frame."""
@@ -451,6 +522,82 @@ def _claims_of_inverses(sense: str, of_sense: dict[str, list[np.ndarray]]) -> li
             f"{RANDOM} {listed[RANDOM]}.",
         ),
     ]
+
+
+def non_linearity(
+    manifold: MotionManifold, material: Material, testing: Clips, seed: int
+) -> Result:
+    """Project stretched windows, and decode means of hidden units, by the network and by an
+    untrained one."""
+    complete = testing.x[testing.real.all(axis=1)]
+    if len(complete) < 2:
+        complete = testing.x[:2]
+    networks = {TRAINED: manifold, INITIAL: untrained(manifold, seed)}
+    training = features_of(manifold, evenly(material.training, STRETCHED_TAKES))
+    measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
+    size = manifold.network.encode(complete[:1]).size // complete.shape[1]
+    pca = PCA.fit(manifold.normalise(np.concatenate(training)))
+    some = evenly(list(complete), STRETCHED_WINDOWS)
+    by_pca = partial(pca.project, size=size)
+    ratios = {PRINCIPAL: _ratio_of_stretched(manifold, measure, by_pca, some)}
+    gaps = {}
+    for name, network in networks.items():
+        project = network.network.project
+        ratios[name] = _ratio_of_stretched(manifold, measure, project, some)
+        gaps[name] = _gap_of_means(network, complete)
+    clipped = {name: ratio.at_most(CLIPPED) for name, ratio in ratios.items()}
+    bent = {name: gap.above(NON_LINEAR) for name, gap in gaps.items()}
+    rows = []
+    for name, ratio in ratios.items():
+        rows.append([name, ratio.value, gaps[name].value if name in gaps else None])
+    header = ["manifold", "nearest pose, stretched", "decoded mean"]
+    claims = [
+        Claim(
+            "tanh_clips",
+            clipped[TRAINED],
+            f"{ratios[TRAINED]:.2f} times as far;",
+            opponent=f"{PRINCIPAL} {ratios[PRINCIPAL]:.2f}, {INITIAL} {ratios[INITIAL]:.2f}.",
+            fulfilled_by=" and ".join(name for name in (PRINCIPAL, INITIAL) if clipped[name]),
+        ),
+        Claim(
+            "manifold_nonlinear",
+            bent[TRAINED],
+            f"{gaps[TRAINED]:.3f} of the distance;",
+            opponent=f"{INITIAL} {gaps[INITIAL]:.3f}.",
+            fulfilled_by=INITIAL if bent[INITIAL] else "",
+        ),
+    ]
+    return Result("", [Table("", header, rows, ("", ".2f", ".3f"))], claims)
+
+
+def _ratio_of_stretched(
+    manifold: MotionManifold,
+    measure: ValidityMeasure,
+    project: Callable[[np.ndarray], np.ndarray],
+    windows: list[np.ndarray],
+) -> Interval:
+    """How many times as far from training poses stretched windows are projected as windows."""
+    distances = []
+    for factor in (STRETCHED, 1.0):
+        projected = [manifold.denormalise(project(factor * x[None])[0]) for x in windows]
+        distances.append([measure.nearest_distances(features).mean() for features in projected])
+    return ratio_of_means(*np.array(distances))
+
+
+def _gap_of_means(manifold: MotionManifold, x: np.ndarray) -> Interval:
+    """The distance of the decoded mean of the hidden units of two windows from the mean of their
+    decodings, divided by the distance of their decodings; a window with that half of all away."""
+    y = manifold.network.encode(x)
+    other = np.roll(y, len(y) // 2, axis=0)
+    decode = manifold.network.decode
+    first, second = decode(y).copy(), decode(other).copy()
+    gap = decode((y + other) / 2) - (first + second) / 2
+    return ratio_of_means(_norms(gap), _norms(first - second))
+
+
+def _norms(x: np.ndarray) -> np.ndarray:
+    """The Euclidean norm of each window (N, T, C)."""
+    return np.linalg.norm(x.reshape(len(x), -1).astype(np.float64), axis=1)
 
 
 def _jitters(testing: Clips, x: np.ndarray) -> np.ndarray:

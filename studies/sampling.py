@@ -8,7 +8,8 @@ docs/lab_book/sampling.md has the findings.
 distribution of values […] drawn from [-1, 1]^(i×k) represents a prior probability distribution
 over the space of human motion which can be augmented with other beliefs". The uniform prior is
 compared with the prior of `numpy-cae sample`, with independent normal units, and with the simplest
-prior, which replays a training window.
+prior, which replays a training window. "It is easy to find a configuration in this space which does
+not represent valid human motion" (section 1): values of the features are drawn by themselves.
 """
 
 from dataclasses import astuple
@@ -36,6 +37,11 @@ UNIFORM = "uniform prior"
 FITTED = "fitted prior"
 NORMAL = "independent normal units"
 REPLAYED = "a training window, replayed"
+VALUES = "independent values of the features"
+VALUES_DRAWN = 8
+"""Motions of independent values that are drawn."""
+INVALID = 2.0
+"""A motion is invalid if each measure is more than this many times that of test takes."""
 STATEMENTS = {UNIFORM: "uniform_prior", FITTED: "other_prior"}
 
 
@@ -58,6 +64,7 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     for name, prior in priors.items():
         clips[name] = [sample(manifold, frames, rng, prior) for _ in range(DRAWN)]
     clips[REPLAYED] = [sample(manifold, frames, rng, Replay(encoded)) for _ in range(DRAWN)]
+    clips[VALUES] = draw_values(training, frames, rng)
     measure = ValidityMeasure(training, manifold.lengths, manifold.rate)
     measured = {source: measure.each(motions) for source, motions in clips.items()}
     means = {source: Validity.mean(of_clips) for source, of_clips in measured.items()}
@@ -68,7 +75,10 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     return Result(
         "Sampling from a prior",
         [validity_table(caption, means)],
-        [_claim(key, prior, measured) for prior, key in STATEMENTS.items()],
+        [
+            *(_claim(key, prior, measured) for prior, key in STATEMENTS.items()),
+            _claim_of_values(measured),
+        ],
         {"sampling": moving(motions, manifold.rate)},
     )
 
@@ -88,6 +98,35 @@ class NormalUnits(NeighbourPrior):
         deviation = self.encoded.std(axis=(0, 1))
         y = mean + deviation * rng.standard_normal(self.encoded.shape[1:])
         return y.clip(-1, 1).astype(np.float32)
+
+
+def draw_values(
+    training: list[np.ndarray], frames: int, rng: np.random.Generator
+) -> list[np.ndarray]:
+    """Motions (frames, 63) of which every value is drawn by itself from the normal distribution of
+    its feature in training motions."""
+    poses = np.concatenate(training)
+    mean = poses.mean(axis=0)
+    deviation = poses.std(axis=0)
+    shape = (frames, poses.shape[1])
+    return [mean + deviation * rng.standard_normal(shape) for _ in range(VALUES_DRAWN)]
+
+
+def _claim_of_values(measured: dict[str, list[Validity]]) -> Claim:
+    """Whether independent values are no valid motion."""
+    is_invalid = {}
+    listed = {}
+    for name in (VALUES, REPLAYED):
+        ratios = _ratios(measured[name], measured[REAL])
+        is_invalid[name] = all_of(*(ratio.above(INVALID) for ratio in ratios.values()))
+        listed[name] = ", ".join(f"{measure} {ratio:.2f}" for measure, ratio in ratios.items())
+    return Claim(
+        "easily_invalid",
+        is_invalid[VALUES],
+        f"times those of test takes: {listed[VALUES]};",
+        opponent=f"{REPLAYED}: {listed[REPLAYED]}.",
+        fulfilled_by=REPLAYED if is_invalid[REPLAYED] else "",
+    )
 
 
 def _claim(key: str, source: str, measured: dict[str, list[Validity]]) -> Claim:

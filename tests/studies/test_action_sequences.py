@@ -210,3 +210,10 @@ def test_choices_of_the_sequential_network_are_compared():
     (table,) = result.tables
     assert table.value(AS_PAPER, "walking") != table.value(NO_INPUT, "walking")
     assert [claim.key for claim in result.claims] == ["target_reversed", "guess_fed_back"]
+
+
+@pytest.mark.parametrize(("first", "is_natural"), [(0.6, True), (0.8, False)])
+def test_the_regulariser_has_to_help_each_action(first, is_natural):
+    told = {samples.SLICED: [first, 0.6], samples.MMD: [0.9, 0.9], samples.NONE: [0.7, 0.8]}
+    claim = samples._claim_of_regulariser(told)
+    assert claim.fulfilled is is_natural and not claim.fulfilled_by

@@ -90,8 +90,9 @@ def test_sampling_measures_priors_beside_real_motion(result_of):
     (table,) = result_of("sampling").tables
     assert table.value("test takes", BONES) < table.value("uniform prior", BONES)
     assert table.value("uniform prior", NEAREST) > table.value("fitted prior", NEAREST)
-    uniform, fitted = result_of("sampling").claims
+    uniform, fitted, values = result_of("sampling").claims
     assert not uniform.fulfilled and "fitted to encoded motion" in fitted.sentence
+    assert values.key == "easily_invalid" and values.fulfilled
 
 
 def test_a_missing_marker_is_read_at_its_joint(result_of, small_manifold, labelled):
@@ -153,3 +154,8 @@ def test_transitions_end_at_the_last_key(small_manifold):
     filled = stepped_keys.fill_steps(small_manifold, features)
     assert {len(x) for x in filled.values()} == {31}
     np.testing.assert_array_equal(filled[stepped_keys.HELD][16], features[15])
+
+
+def test_the_values_that_are_left_say_much_of_the_removed_ones(result_of):
+    claims = {claim.key: claim for claim in result_of("repair_sweep").claims}
+    assert claims["half_of_information"].fulfilled is not True
