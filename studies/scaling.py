@@ -14,7 +14,7 @@ Other methods: section 2 says that kernel methods "cannot scale as the covarianc
 the square of the number of data points used", section 7 that data structures such as KD trees are
 "very computationally expensive" and that PCA is scalable. Time and memory of kernel PCA, with all
 windows and with a few landmarks (Williams and Seeger 2001), are measured on growing numbers of
-windows; a KD tree on a twentieth of the paper's windows, where building grows as N log N and a
+windows; a KD tree on a fortieth of the paper's windows, where building grows as N log N and a
 search that prunes nothing as N².
 
 Error: networks of half of the filters learn from a quarter, half and all of the training takes, as
@@ -55,15 +55,15 @@ PARTS = (4, 2, 1)
 MOST_SLOPE = 1.1
 SLOPES = 3
 """So often a slope is measured: one alone varies by a tenth with what else the machine does."""
-KERNEL_SIZES = (200, 400, 800)
+KERNEL_SIZES = (150, 300, 600)
 """Windows to which kernel methods and PCA are fitted to see how their time and memory grow."""
-MEMORY_SIZES = (10, 20, 40)
+MEMORY_SIZES = (5, 10, 20)
 """Windows of the trainings whose memory is measured."""
-LANDMARKS = 100
+LANDMARKS = 50
 LEAST_POWER = 1.5
 """A cost that grows with at least this power of the number of windows is nearer to the square than
 to proportion."""
-TREE_PART = 20
+TREE_PART = 40
 """A KD tree is built of this part of the paper's windows."""
 KERNEL = "kernel PCA"
 KERNEL_OF_LANDMARKS = f"kernel PCA with {LANDMARKS} landmarks"
