@@ -30,7 +30,8 @@ SMALL = {
     "training_choices": {"FILTERS": (4, 6, 8)}
     | {"recipe": lambda name: Schedule(layer=Stage(rate=0.02))},
     "scaling": {"STEPS": 8, "SIZES": (4, 8), "PAPER_WINDOWS": 100}
-    | {"KERNEL_SIZES": (10, 20), "MEMORY_SIZES": (2, 4), "LANDMARKS": 5},
+    | {"KERNEL_SIZES": (10, 20), "MEMORY_SIZES": (2, 4), "LANDMARKS": 5}
+    | {"PCA_SIZES": (10, 20)},
     "shared.small_networks": {"FILTERS": (4, 6, 8), "TESTING_WINDOWS": 3},
 }
 """Constants of studies that would take long."""
