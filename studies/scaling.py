@@ -54,7 +54,8 @@ PARTS = (4, 2, 1)
 """Networks learn from every so-many-th training take."""
 MOST_SLOPE = 1.1
 SLOPES = 3
-"""So often a slope is measured: one alone varies by a tenth with what else the machine does."""
+"""So often a slope is measured, with fewer seeds less often: one alone varies by a tenth with what
+else the machine does."""
 KERNEL_SIZES = (150, 300, 600)
 """Windows to which kernel methods are fitted to see how their time and memory grow."""
 PCA_SIZES = (100, 200, 400)
@@ -83,8 +84,9 @@ def run(
     """Time the training, and train on parts of the takes."""
     networks = SmallNetworks.of(material, trainer, seed, seeds)
     times, in_time, minutes = _time_training()
-    slope = _slope_of(time_steps)
-    slope_of_map = _slope_of(fit_linear_map)
+    repetitions = min(seeds, SLOPES)
+    slope = _slope_of(time_steps, SIZES, repetitions)
+    slope_of_map = _slope_of(fit_linear_map, SIZES, repetitions)
     errors = {}
     errors_of_map = {}
     for part in PARTS:
@@ -114,9 +116,9 @@ def run(
     )
     parts = [
         Result("", [times, table], [in_time, scales]),
-        _compare_kernels(slope, slope_of_map),
+        _compare_kernels(slope, slope_of_map, repetitions),
         _time_trees(minutes),
-        _scale_pca(),
+        _scale_pca(repetitions),
     ]
     return combined("Scaling with the data", parts)
 
@@ -181,13 +183,11 @@ def fit_linear_map(windows: int) -> np.ndarray:
     return Gaussian(x, np.ones(x.shape[:2], bool)).linear_map(P)
 
 
-def _slope_of(learn: Callable[[int], object], sizes: Sequence[int] | None = None) -> Interval:
+def _slope_of(learn: Callable[[int], object], sizes: Sequence[int], repetitions: int) -> Interval:
     """The slope of the logarithm of the time of learning over that of the number of windows: the
-    median of `SLOPES` measurements, the smallest and the largest. The sizes are `SIZES` unless
-    others are given."""
-    sizes = sizes or SIZES
+    median of the repetitions, the smallest and the largest."""
     slopes = []
-    for _ in range(SLOPES):
+    for _ in range(repetitions):
         seconds = []
         for windows in sizes:
             seconds.append(_seconds(lambda windows=windows: learn(windows)))
@@ -246,7 +246,7 @@ def squared_distances(rows: np.ndarray, others: np.ndarray) -> np.ndarray:
     return distances
 
 
-def _compare_kernels(of_network: Interval, of_map: Interval) -> Result:
+def _compare_kernels(of_network: Interval, of_map: Interval, repetitions: int) -> Result:
     """How time and memory of kernel PCA grow with the windows, beside those of the network, whose
     time is given, and of the linear map. The first trainings of a process fill caches, so their
     memory is not measured: those of the time come before."""
@@ -265,7 +265,7 @@ def _compare_kernels(of_network: Interval, of_map: Interval) -> Result:
         def fit_to(count: int, fit: Callable[[np.ndarray], np.ndarray] = fit) -> np.ndarray:
             return fit(rows[:count])
 
-        times[name] = _slope_of(fit_to, KERNEL_SIZES)
+        times[name] = _slope_of(fit_to, KERNEL_SIZES, repetitions)
         memory[name] = _slope_of_memory(fit_to, KERNEL_SIZES)
     grows = all_of(_at_least(times[KERNEL], LEAST_POWER), memory[KERNEL] >= LEAST_POWER)
     scales = {}
@@ -331,7 +331,7 @@ def _time_trees(training: Interval) -> Result:
     return Result("", [Table(caption, ["what", "minutes"], table_rows)], [claim])
 
 
-def _scale_pca() -> Result:
+def _scale_pca(repetitions: int) -> Result:
     """How the time of fitting PCA to frames and to windows grows."""
     windows = _random_windows(max(PCA_SIZES))
     fits = {
@@ -341,7 +341,7 @@ def _scale_pca() -> Result:
     rows = []
     claims = []
     for name, fit in fits.items():
-        power = _slope_of(fit, PCA_SIZES)
+        power = _slope_of(fit, PCA_SIZES, repetitions)
         rows.append([name, power.value])
         figures = f"the time grows with the power {power:.2f} of the windows."
         claims.append(Claim("pca_scales", power.at_most(MOST_SLOPE), figures, name))
