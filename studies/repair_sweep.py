@@ -64,7 +64,7 @@ def run(
         for method, of_takes in squares.items():
             errors[method].append(root_mean_square(of_takes))
         if p == tables.P:
-            squares[WITHOUT_NETWORK] = _squares_without_network(test, seed)
+            squares[WITHOUT_NETWORK] = _squares_without_network(manifold, test, seed)
             claims = _claims(squares)
     rows = [[method, *of_method] for method, of_method in errors.items()]
     header = ["method", *(f"p = {p}" for p in shares)]
@@ -86,19 +86,16 @@ def _squares(repairs: Repairs, test: Clips, p: float, seed: int) -> dict[str, np
     return squares
 
 
-def _squares_without_network(test: Clips, seed: int) -> np.ndarray:
+def _squares_without_network(manifold: MotionManifold, test: Clips, seed: int) -> np.ndarray:
     """The squared errors by take of a completion as the manifold's, without its network."""
     damaged = zero_values(test.x, tables.P, np.random.default_rng(seed))
     known = damaged != 0
-    return test.squares_by_take(
-        tables.apply_to_real_frames(complete_without_network, test.real, damaged, known)
-    )
 
+    def complete(x: np.ndarray, known: np.ndarray) -> np.ndarray:
+        pairs = zip(x, known, strict=True)
+        return np.stack([complete_weighted(*pair, None, manifold.context) for pair in pairs])
 
-def complete_without_network(x: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Windows (N, T, C) completed as `MotionManifold.complete` does, without its network."""
-    pairs = zip(x, known, strict=True)
-    return np.stack([complete_weighted(window, mask, project=None) for window, mask in pairs])
+    return test.squares_by_take(tables.apply_to_real_frames(complete, test.real, damaged, known))
 
 
 def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:

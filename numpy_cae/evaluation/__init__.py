@@ -8,7 +8,7 @@ what a manifold is compared with, and `tables` has what `train` and `demo` print
 
 import numpy as np
 
-from numpy_cae.evaluation.baselines import PCA as PCA
+from numpy_cae.manifold.pca import PCA as PCA
 from numpy_cae.motion.angles import ANGLES
 from numpy_cae.motion.contacts import foot_sliding as foot_sliding
 from numpy_cae.motion.features import POSITIONS, joint_slice

@@ -1,4 +1,4 @@
-"""Baselines of the manifold: a Gaussian of the frames around each frame, and PCA.
+"""A baseline of the manifold: a Gaussian of the frames around each frame.
 
 The linear map of these frames follows from the moments of the Gaussian. `pose_dynamics` has a
 Kalman smoother in the space of PCA, and `joint_ridge` a regression of joints on the others.
@@ -25,30 +25,16 @@ map of z to the frame in its middle, x, is
 
 for masks k that keep each value by itself with probability 1 - p, where M stands for M + r I, with
 r of the diagonal of M (`Gaussian.linear_map`).
-
-Principal component analysis is the linear counterpart of the manifold. With u_1 … u_r the
-directions of largest variance about the mean m, the projection of x is
-
-    x̂ = m + Σ_i u_i u_iᵀ (x - m)
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.fast.thread_team import one_blas_thread
+from numpy_cae.manifold.probabilistic_pca import RIDGE, STEP, TAPS
 
-TAPS = 15
-"""Frames of a row, as many as a filter of holden2015 has."""
-STEP = 5
-"""Rows that `Gaussian.complete` averages begin so many frames apart."""
-RIDGE = 3e-4
-"""This share of the mean of the diagonal of M, or of S by default, is added to the diagonal. With
-1e-6 the Gaussian is better on takes like those it is fitted to, and four times worse on takes of
-another source (docs/lab_book/other_sources.md)."""
 RIDGES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Shares of which `fit_gaussian` chooses one."""
 LEFT_OUT = 5
@@ -235,45 +221,3 @@ def fit_gaussian(
     gaussian.ridge = min(errors, key=lambda ridge: errors[ridge])
     gaussian.add(Gaussian(windows[is_left_out], real[is_left_out]))
     return gaussian
-
-
-NO_VARIANCE = 1e-11
-"""Share of the largest variance below which an axis is rounding error."""
-
-
-@dataclass(frozen=True, eq=False)
-class PCA:
-    """A fitted linear manifold.
-
-    Parameters
-    ----------
-    mean : (N,) array of float
-    axes : (R, N) array of float
-        Unit rows, by decreasing variance.
-    """
-
-    mean: np.ndarray
-    axes: np.ndarray
-
-    @classmethod
-    def fit(cls, rows: np.ndarray) -> PCA:
-        """From observations (M, N) of any dtype.
-
-        The axes are eigenvectors of the smaller of XᵀX, (N, N), and XXᵀ, (M, M), for the rows X
-        about their mean. A singular value decomposition of X gives the same in several times the
-        memory. Of fewer rows than numbers, axes of no variance are left out.
-        """
-        mean = rows.mean(axis=0, dtype=np.float64)
-        x = rows - mean
-        if len(rows) >= rows.shape[1]:
-            return cls(mean, np.linalg.eigh(x.T @ x)[1].T[::-1])
-        spread, vectors = np.linalg.eigh(x @ x.T)
-        varying = np.flatnonzero(spread > NO_VARIANCE * spread[-1])[::-1]
-        return cls(mean, vectors.T[varying] @ x / np.sqrt(spread[varying, None]))
-
-    def project(self, x: np.ndarray, size: int | None) -> np.ndarray:
-        """The nearest points on the manifold of the first `size` axes, or of all where None, in the
-        shape of x, which is any whose numbers are rows of N one after the other."""
-        axes = self.axes[:size]
-        rows = x.reshape(-1, len(self.mean)) - self.mean
-        return (rows @ axes.T @ axes + self.mean).reshape(x.shape)

@@ -13,13 +13,16 @@ by least squares within each take, without a constant, and n has the variance of
 are fitted to training takes. With the state s_t = (c_t, …, c_{t-LAGS+1}), whose covariance in the
 first frame is E[s sᵀ] over the training takes, with `FLOOR` more on the diagonal, the known values
 of a frame are linear in s_t, and E[s_t | all known values] is computed by the filter of Kalman
-(1960), forwards, and the smoother of Rauch, Tung and Striebel (1965), backwards:
+(1960), forwards, and the smoother of Bryson and Frazier (1963), backwards:
 
     s⁻_t = A s_{t-1},   P⁻_t = A P_{t-1} Aᵀ + Q
-    K = P⁻_t Hᵀ (H P⁻_t Hᵀ + E)⁻¹,   s_t = s⁻_t + K (x_t - m - H s⁻_t),   P_t = P⁻_t - K H P⁻_t
-    ŝ_t = s_t + P_t Aᵀ (P⁻_{t+1})⁻¹ (ŝ_{t+1} - s⁻_{t+1})
+    S_t = H P⁻_t Hᵀ + E,   K_t = P⁻_t Hᵀ S_t⁻¹,   y_t = x_t - m - H s⁻_t
+    s_t = s⁻_t + K_t y_t,   P_t = P⁻_t - K_t H P⁻_t
 
-where H has the rows of U of the known values. Unknown values are those of m + U ĉ_t.
+    λ_T = 0,   λ_{t-1} = Aᵀ (λ_t - Hᵀ (S_t⁻¹ y_t + K_tᵀ λ_t)),   ŝ_t = s_t - P_t λ_t
+
+where H has the rows of U of the known values. Unknown values are those of m + U ĉ_t. The smoother
+of Rauch, Tung and Striebel (1965) has the same ŝ_t, and inverts every P⁻_t.
 """
 
 from __future__ import annotations
@@ -28,10 +31,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from numpy_cae.evaluation.baselines import PCA
 from numpy_cae.fast.thread_team import one_blas_thread
+from numpy_cae.manifold.pca import PCA
 
-COMPONENTS = 30
+COMPONENTS = 60
 """R: the principal components of a pose."""
 LAGS = 4
 """Frames on which an autoregression looks back."""
@@ -52,10 +55,10 @@ class PoseDynamics:
         Uᵀ.
     noise : (C,) array of float64
         The variances of e.
-    transition : (R · LAGS, R · LAGS) array of float64
-        A.
+    lag_weights : (LAGS, R) array of float64
+        a, of which A consists.
     excitation : (R,) array of float64
-        The variances of n; Q has them in the components of the last frame.
+        The variances of n; Q has them in c_t.
     start : (R · LAGS, R · LAGS) array of float64
         The covariance of the state, which a motion begins with; its mean is zero.
     """
@@ -79,12 +82,11 @@ class PoseDynamics:
         history = np.concatenate(histories)
         target = np.concatenate(targets)
         count = len(self.axes)
-        self.transition = np.zeros((count * LAGS, count * LAGS))
-        self.transition[count:, :-count] = np.eye(count * (LAGS - 1))
+        self.lag_weights = np.empty((LAGS, count))
         self.excitation = np.empty(count)
         for i in range(count):
             weights, *_ = np.linalg.lstsq(history[:, :, i], target[:, i], rcond=None)
-            self.transition[i, i::count] = weights
+            self.lag_weights[:, i] = weights
             gap = target[:, i] - history[:, :, i] @ weights
             self.excitation[i] = max(gap.var(), least)
         states = history.reshape(len(history), -1)
@@ -101,42 +103,60 @@ class PoseDynamics:
     def _smooth(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """m + U ĉ_t of every frame of one window (T, C)."""
         count = len(self.axes)
-        a = self.transition
-        predicted = []
-        filtered = []
-        state = np.zeros(len(a))
+        state = np.zeros(count * LAGS)
         covariance = self.start
+        updates = []
+        poses = np.empty((len(x), count))
+        spreads = []  # the rows of P_t of c_t
         for t in range(len(x)):
             if t:
-                state = a @ state
-                covariance = a @ covariance @ a.T
-                covariance[np.arange(count), np.arange(count)] += self.excitation
-            predicted.append((state, covariance))
-            state, covariance = self._update(state, covariance, x[t], known[t])
-            filtered.append((state, covariance))
-        smoothed = filtered[-1][0]
-        poses = [smoothed[:count]]
-        for t in range(len(x) - 2, -1, -1):
-            ahead, spread = predicted[t + 1]
-            state, covariance = filtered[t]
-            smoothed = state + covariance @ a.T @ np.linalg.solve(spread, smoothed - ahead)
-            poses.append(smoothed[:count])
-        return self.mean + np.stack(poses[::-1]) @ self.axes
+                state, covariance = self._predict(state, covariance)
+            state, covariance, update = self._update(state, covariance, x[t], known[t])
+            poses[t] = state[:count]
+            spreads.append(covariance[:count].copy())
+            updates.append(update)
+        adjoint = np.zeros(count * LAGS)  # λ_t
+        for t in range(len(x) - 1, -1, -1):
+            poses[t] -= spreads[t] @ adjoint
+            h, gain, certain_gap = updates[t]
+            adjoint[:count] -= h.T @ (certain_gap + gain.T @ adjoint)
+            adjoint = self._step_back(adjoint)
+        return self.mean + poses @ self.axes
+
+    def _predict(self, state: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """s⁻ and P⁻ of the next frame. A writes a weighted sum of the past in the place of the last
+        frame, and moves the other frames on by one."""
+        count = len(self.axes)
+        of_lags = (LAGS, count)
+        newest = np.sum(self.lag_weights * state.reshape(of_lags), axis=0)
+        with_past = np.einsum("li,lin->in", self.lag_weights, covariance.reshape(*of_lags, -1))
+        with_itself = np.einsum("ilj,lj->ij", with_past.reshape(count, *of_lags), self.lag_weights)
+        predicted = np.empty_like(covariance)
+        predicted[:count, :count] = with_itself + np.diag(self.excitation)
+        predicted[:count, count:] = with_past[:, :-count]
+        predicted[count:, :count] = with_past[:, :-count].T
+        predicted[count:, count:] = covariance[:-count, :-count]
+        return np.concatenate([newest, state[:-count]]), predicted
+
+    def _step_back(self, adjoint: np.ndarray) -> np.ndarray:
+        """Aᵀ λ."""
+        count = len(self.axes)
+        before = (self.lag_weights * adjoint[:count]).ravel()
+        before[:-count] += adjoint[count:]
+        return before
 
     def _update(
         self, state: np.ndarray, covariance: np.ndarray, x: np.ndarray, known: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """The state and its covariance, given the known values of a frame."""
-        if not known.any():
-            return state, covariance
+    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """s_t and P_t, given the known values of a frame; and H, of which only the columns of c_t
+        are not zero, K_t and S_t⁻¹ y_t."""
         count = len(self.axes)
         h = self.axes.T[known]
-        gain = covariance[:, :count] @ h.T
-        innovation = h @ gain[:count] + np.diag(self.noise[known])
-        weights = np.linalg.solve(innovation, gain.T).T
-        missed = x[known] - self.mean[known] - h @ state[:count]
-        # The form of Joseph: rounding leaves the covariance symmetric and positive.
-        keep = np.eye(len(state))
-        keep[:, :count] -= weights @ h
-        noise = (weights * self.noise[known]) @ weights.T
-        return state + weights @ missed, keep @ covariance @ keep.T + noise
+        spread = covariance[:, :count] @ h.T
+        innovation = h @ spread[:count] + np.diag(self.noise[known])
+        gap = x[known] - self.mean[known] - h @ state[:count]
+        certain = np.linalg.solve(innovation, np.column_stack([spread.T, gap]))
+        gain, certain_gap = certain[:, :-1].T, certain[:, -1]
+        updated = covariance - gain @ spread.T
+        updated = (updated + updated.T) / 2  # without the rounding
+        return state + gain @ gap, updated, (h, gain, certain_gap)

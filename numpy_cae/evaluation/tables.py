@@ -21,10 +21,11 @@ import numpy as np
 from scipy.interpolate import pchip_interpolate
 
 from numpy_cae.evaluation import angle_distance, position_error
-from numpy_cae.evaluation.baselines import PCA, RIDGE, Gaussian, apply_linear_map, fit_gaussian
+from numpy_cae.evaluation.baselines import RIDGE, Gaussian, apply_linear_map, fit_gaussian
 from numpy_cae.evaluation.pose_dynamics import PoseDynamics
 from numpy_cae.manifold import MotionManifold, SequenceManifold
 from numpy_cae.manifold.completion import interpolate_gaps, zeroed_fraction
+from numpy_cae.manifold.pca import PCA
 from numpy_cae.motion import POSITIONS, AngleSequence, cut_clips, cut_windows, joint_slice
 from numpy_cae.motion.gaussian_process import fit_curves
 from numpy_cae.training import zero_values

@@ -10,6 +10,7 @@ from numpy_cae import training
 from numpy_cae.fast import with_engine
 from numpy_cae.manifold.model_arrays import MAX_LENGTH
 from numpy_cae.manifold.motion_manifold import MotionManifold
+from numpy_cae.manifold.probabilistic_pca import ProbabilisticPCA
 from numpy_cae.manifold.sequence_manifold import SequenceManifold, common_bones
 from numpy_cae.models import ConvAutoencoder, SequentialAutoencoder
 from numpy_cae.motion import (
@@ -172,7 +173,8 @@ def _normalise_takes(
     overlap: int,
     schedule: training.Schedule,
 ) -> tuple[MotionManifold, training.Windows]:
-    """A manifold with the normalisation of takes (F, 20, 3), and their normalised windows.
+    """A manifold with the normalisation and the context of takes (F, 20, 3), and their normalised
+    windows.
 
     The takes are removed from the list, so that the memory of those which nothing else refers to
     becomes free: those of a large database are gigabytes, and so are their features.
@@ -187,7 +189,9 @@ def _normalise_takes(
     frames: np.ndarray = np.ndarray(features.shape, network.layers[0].w.dtype, buffer=features)
     for part in _parts(len(features)):
         frames[part] = manifold.normalise(features[part])
-    return manifold, training.Windows(frames, windows.starts, window)
+    normalised = training.Windows(frames, windows.starts, window)
+    manifold.context = ProbabilisticPCA.fit(normalised, is_real)
+    return manifold, normalised
 
 
 def _cut_takes(

@@ -17,6 +17,7 @@ from numpy_cae.manifold.model_arrays import (
     read_numbers,
     require_loadable,
 )
+from numpy_cae.manifold.probabilistic_pca import TAPS, ProbabilisticPCA
 from numpy_cae.manifold.weighted_completion import complete_weighted
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
@@ -28,6 +29,8 @@ FORMAT = "numpy_cae convolutional manifold 3"
 """The only format that is read; a file of another version has to be made again."""
 MAX_HIDDEN_FRAMES = 120
 """A longer clip is projected in pieces of this length, to bound memory."""
+SMALLEST_VARIANCE = SMALLEST**2
+"""The least σ² of a file's `context`."""
 MAX_PIECES = 400
 """The number of projected pieces that `remember_projections` keeps, 0.1 GB."""
 
@@ -55,6 +58,9 @@ class MotionManifold:
         Provenance (data, schedule, seed, losses) in JSON types; nothing is computed from it.
     rescales : bool
         Whether the network was trained on X_c / (1 - p): see `training.corruption`.
+    context : ProbabilisticPCA, optional
+        Of fifteen successive frames of the training takes, for `complete`; None where no take had
+        as many.
 
     Examples
     --------
@@ -76,6 +82,7 @@ class MotionManifold:
     settings: dict = field(default_factory=dict)
     rescales: bool = False
     window: int = LENGTH
+    context: ProbabilisticPCA | None = None
     _pieces: dict[bytes, np.ndarray] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
@@ -165,12 +172,14 @@ class MotionManifold:
     def complete(self, features: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
         """Complete a clip of which some values are missing (`manifold.weighted_completion`).
 
-        In normalised features, three candidates are completed: a Gaussian process over time of each
+        In normalised features, five candidates are completed: a Gaussian process over time of each
         feature by itself (`motion.gaussian_process`); this curve, refined by what the values of
-        each frame say about one another in this clip (`motion.frame_gaussian`); and in the same way
-        refined, what the network makes of the curve by the iteration of `manifold.completion`. They
-        are weighed by their errors in about a tenth of the known values, left out, for each
-        distance to the nearest known value. Time and memory are linear in the frames.
+        each frame say about one another in this clip (`motion.frame_gaussian`); what the principal
+        components of fifteen frames of the training takes say, once for a take like these and once
+        for another source (`manifold.probabilistic_pca`); and what the network makes of the curve
+        by the iteration of `manifold.completion`, refined as the curve was. They are weighed by
+        their errors in about a tenth of the known values, left out, for each distance to the
+        nearest known value. Time and memory are linear in the frames.
 
         Parameters
         ----------
@@ -222,7 +231,7 @@ class MotionManifold:
             x = x.astype(self.network.layers[0].w.dtype)
             return self._project_clip(self._rescale(x), averaged).astype(np.float64)
 
-        completed = complete_weighted(x, known, project)
+        completed = complete_weighted(x, known, project, self.context)
         return np.where(known, features, self.denormalise(completed))
 
     def complete_windows(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -233,7 +242,7 @@ class MotionManifold:
 
         completed = np.empty_like(x)
         for window, is_known, into in zip(x, known, completed, strict=True):
-            into[...] = complete_weighted(window, is_known, project)
+            into[...] = complete_weighted(window, is_known, project, self.context)
         return completed
 
     def project_windows(self, x: np.ndarray, average_shifts: bool = False) -> np.ndarray:
@@ -254,7 +263,7 @@ class MotionManifold:
         path : path
             The file to write, .npz.
         half : bool
-            Whether to write the weights of the network as float16.
+            Whether to write the weights of the network, and the axes of `context`, as float16.
 
         Raises
         ------
@@ -284,6 +293,10 @@ class MotionManifold:
             "window": np.array(self.window),
             "settings": np.array(json.dumps(self.settings)),
         }
+        if self.context is not None:
+            arrays["context_mean"] = self.context.mean
+            arrays["context_axes"] = self.context.axes.astype(np.float16 if half else np.float32)
+            arrays["context_noise"] = np.array(self.context.noise)
         require_loadable(MotionManifold.from_arrays, arrays | weights, path)
         save_arrays(arrays | weights, path)
 
@@ -315,6 +328,7 @@ class MotionManifold:
             lengths,
             rescales=bool(read_integer(arrays, "rescales", 0, 1)),
             window=read_integer(arrays, "window", 1, MAX_FRAMES),
+            context=_read_context(arrays),
         )
 
     def _project_clip(self, clip: np.ndarray, average_shifts: bool) -> np.ndarray:
@@ -346,3 +360,17 @@ class MotionManifold:
         if not self.rescales:
             return x
         return x / (1 - completion.zeroed_fraction(x))
+
+
+def _read_context(arrays: dict[str, np.ndarray]) -> ProbabilisticPCA | None:
+    """`MotionManifold.context` of a model file's arrays."""
+    if not any(name.startswith("context_") for name in arrays):
+        return None
+    size = TAPS * FEATURES
+    axes = arrays["context_axes"]
+    count = min(len(axes), size) if axes.ndim else 0
+    return ProbabilisticPCA(
+        read_numbers(arrays, "context_mean", (size,)),
+        read_numbers(arrays, "context_axes", (count, size)),
+        float(read_numbers(arrays, "context_noise", (), SMALLEST_VARIANCE)),
+    )

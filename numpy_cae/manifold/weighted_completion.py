@@ -1,14 +1,16 @@
 """Completing a motion by several methods, weighed by what each does in known values left out.
 
-Three candidates complete the motion:
+The candidates are:
 
 1. the curve of each column by itself, a Gaussian process over time (`motion.gaussian_process`);
 2. this curve, refined: the iteration of `manifold.completion`, in which P predicts each value from
    the others of its frame, by the Gaussian of the frames of this motion; then the frames of the
    result given how certain each interpolated value is (`motion.frame_gaussian`);
-3. the completion by the network, which starts from the curve, refined in the same way.
+3. and 4. what the principal components of fifteen successive frames of the training takes say, for
+   a take like these and for one of another source (`manifold.probabilistic_pca`);
+5. the completion by the network, which starts from the curve, refined in the same way.
 
-Where there is no network, the last one is candidate 2.
+Those for which the manifold has nothing are left out.
 
 About a tenth of the known values is left out and completed in the same way. With e_ik the errors of
 candidate k at the values left out, and `CLASSES` of the distance in frames to the nearest known
@@ -29,6 +31,7 @@ from collections.abc import Callable
 import numpy as np
 
 from numpy_cae.manifold.completion import complete, interpolate_gaps
+from numpy_cae.manifold.probabilistic_pca import ProbabilisticPCA
 from numpy_cae.motion.frame_gaussian import condition_frames, predict_from_others
 from numpy_cae.motion.gaussian_process import fit_curves, gap_variances
 from numpy_cae.motion.masks import distances_to_known, runs
@@ -36,7 +39,7 @@ from numpy_cae.motion.masks import distances_to_known, runs
 CURVE_PREDICTIONS = 8
 """At most so many times the values of the frames of candidate 2 predict one another."""
 NETWORK_PREDICTIONS = 4
-"""The same of candidate 3, which the network has made a motion before."""
+"""The same of candidate 5, which the network has made a motion before."""
 CLASSES = (1, 2, 4, 8)
 """Upper ends of classes of distances (frames) to the nearest known value; the last one has none."""
 NEAR = 4
@@ -47,13 +50,17 @@ OTHER_CLASSES = 150
 LEFT_OUT = 0.1
 """The share of the known values that is left out."""
 LEAST_LEFT_OUT = 20
-"""With fewer values left out there are no weights: all of candidate 3 is taken."""
+"""With fewer values left out there are no weights: the last candidate is taken."""
 Project = Callable[[np.ndarray, bool], np.ndarray]
 """The projection by the network of windows (1, T, C), averaged over all shifts or not."""
 
 
 def complete_weighted(
-    x: np.ndarray, known: np.ndarray, project: Project | None, seed: int = 0
+    x: np.ndarray,
+    known: np.ndarray,
+    project: Project | None,
+    context: ProbabilisticPCA | None = None,
+    seed: int = 0,
 ) -> np.ndarray:
     """Complete a motion by the weighed mean of the module's candidates.
 
@@ -64,7 +71,10 @@ def complete_weighted(
         have to be finite.
     known : (T, C) array of bool
     project : Project, optional
-        Where None, there is no candidate 3: the motion is completed by what it knows of itself.
+        Where None, there is no candidate of a network.
+    context : ProbabilisticPCA, optional
+        Where None, there are no candidates 3 and 4. Without both arguments the motion is completed
+        by what it knows of itself.
     seed : int
         Draws the values that are left out.
 
@@ -76,12 +86,12 @@ def complete_weighted(
     if known.all():
         return x.copy()
     values = np.where(known, x, 0.0).astype(np.float64)
-    candidates = candidates_of(values, known, project)
+    candidates = candidates_of(values, known, project, context)
     left_out = leave_out(known, np.random.default_rng(seed))
     blended = candidates[-1]
     if np.count_nonzero(left_out) >= LEAST_LEFT_OUT:
         remaining = known & ~left_out
-        trial = candidates_of(np.where(remaining, values, 0.0), remaining, project)
+        trial = candidates_of(np.where(remaining, values, 0.0), remaining, project, context)
         errors = (trial - values)[:, left_out]
         weights = weigh(errors, distances_to_nearest(remaining)[left_out])
         of_value = weights[:, classify(distances_to_nearest(known))]
@@ -91,12 +101,19 @@ def complete_weighted(
     return np.where(known, x, blended).astype(x.dtype)
 
 
-def candidates_of(x: np.ndarray, known: np.ndarray, project: Project | None) -> np.ndarray:
-    """The candidates of the module's text, (3, T, C), or without a network the first two."""
+def candidates_of(
+    x: np.ndarray,
+    known: np.ndarray,
+    project: Project | None,
+    context: ProbabilisticPCA | None = None,
+) -> np.ndarray:
+    """The candidates of the module's text, (5, T, C), or fewer without a network or a context."""
     curves = fit_curves(x, known)
     variances = gap_variances(known, curves.lengths)
     start = curves.values
     candidates = [start, refine(x, known, start, variances, CURVE_PREDICTIONS)]
+    if context is not None:
+        candidates.extend(context.complete(x, known))
     if project is not None:
         by_network = complete(x[None], known[None], project, start=start[None])[0]
         candidates.append(refine(x, known, by_network, variances, NETWORK_PREDICTIONS))

@@ -22,6 +22,8 @@ CURVE = "Gaussian process of each column"
 NETWORK = "the network, from the Gaussian process"
 FRAMES_GIVEN_CURVE = "Gaussian process, refined by the frames"
 FRAMES_GIVEN_NETWORK = "the network, refined by the frames"
+CONTEXT = "principal components of 15 frames"
+CONTEXT_OF_OTHER_SOURCE = "the same, for another source"
 WITHOUT_NETWORK = "weighed without the network"
 WEIGHED = "weighed: `complete`"
 OF_BEST = "`complete`, divided by the best of the others"
@@ -46,7 +48,8 @@ def complete_by_every_method(
         projected = manifold.project(manifold.denormalise(x[0]), average_shifts=averaged)
         return manifold.normalise(projected)[None].astype(np.float64)
 
-    curve, of_frames, by_network = candidates_of(x, known, project)
+    candidates = candidates_of(x, known, project, manifold.context)
+    curve, of_frames, by_network = candidates[0], candidates[1], candidates[-1]
     columns = x[None], known[None]
     completed = {
         LINES: interpolate_columns(*columns, np.interp)[0],
@@ -56,8 +59,11 @@ def complete_by_every_method(
         NETWORK: complete(*columns, project, start=curve[None])[0],
         FRAMES_GIVEN_CURVE: of_frames,
         FRAMES_GIVEN_NETWORK: by_network,
-        WITHOUT_NETWORK: complete_weighted(x, known, None),
+        WITHOUT_NETWORK: complete_weighted(x, known, None, manifold.context),
     }
+    if manifold.context is not None:
+        of_training, of_other_source = candidates[2:4]
+        completed |= {CONTEXT: of_training, CONTEXT_OF_OTHER_SOURCE: of_other_source}
     in_features = {name: manifold.denormalise(values) for name, values in completed.items()}
     return in_features | {WEIGHED: manifold.complete(features, known)}
 

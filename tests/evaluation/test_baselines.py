@@ -122,7 +122,10 @@ def test_the_kalman_smoother_is_the_conditional_mean():
     takes = [np.cumsum(rng.normal(size=(60, 4)), axis=0) @ rng.normal(size=(4, 4)) for _ in "abc"]
     model = PoseDynamics(takes, components=2)
     frames = 6
-    size = len(model.transition)
+    size = len(model.start)
+    transition = np.zeros((size, size))
+    transition[:2] = np.concatenate([np.diag(weights) for weights in model.lag_weights], axis=1)
+    transition[2:, :-2] = np.eye(size - 2)
     step = np.zeros((size, size))
     step[:2, :2] = np.diag(model.excitation)
     states = np.zeros((frames * size, frames * size))
@@ -132,8 +135,8 @@ def test_the_kalman_smoother_is_the_conditional_mean():
         for later in range(t, frames):
             states[t * size : (t + 1) * size, later * size : (later + 1) * size] = row
             states[later * size : (later + 1) * size, t * size : (t + 1) * size] = row.T
-            row = row @ model.transition.T
-        spread = model.transition @ spread @ model.transition.T + step
+            row = row @ transition.T
+        spread = transition @ spread @ transition.T + step
     seen = np.zeros((4, size))
     seen[:, :2] = model.axes.T
     emit = np.kron(np.eye(frames), seen)

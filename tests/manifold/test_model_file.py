@@ -109,7 +109,7 @@ def test_an_array_that_is_missing_or_not_finite_is_an_error(models, kind, file):
     ("kind", "name", "array", "message"),
     [
         ("conv", "format", "numpy_cae convolutional manifold 2", "manifold 2', expected .* again"),
-        ("conv", "format", "x" * 5_000_000, "unpacks to 20 MB, expected at most 4 MB"),
+        ("conv", "format", "x" * 5_000_000, "unpacks to 20 MB, expected at most 5 MB"),
         ("conv", "rate", np.array([{"run": "me"}], dtype=object), "not a model"),
         ("conv", "w1", np.zeros((5, 62, 12), np.float32), "w1 has shape"),
         ("conv", "joints", ["tail"], "joints"),

@@ -1,0 +1,154 @@
+"""Missing values, by what the frames around them say: probabilistic PCA of fifteen frames.
+
+`TAPS` successive frames of normalised features in one row z, by frame, then feature, are taken as
+
+    z = m + W c + e,    c ~ N(0, I),    e ~ N(0, σ² I)
+
+With the mean m, the axes U and the variances Λ of the principal components of the rows of training
+takes, the likelihood is largest for
+
+    σ² = the mean variance along the axes that are left out,    W = U (Λ - σ² I)^½
+
+Where only z_o is known, with W_o and m_o the rows of W and m that belong to it, z is estimated by
+
+    ẑ = m + W E[c | z_o],    E[c | z_o] = (W_oᵀ W_o + σ² I)⁻¹ W_oᵀ (z_o - m_o)
+
+Rows begin every `STEP` frames, so they overlap. The estimates of a frame by all rows that have it
+are averaged with the weights of Hann's window,
+
+    w_j = sin²(π (j + ½) / TAPS),   j = 0 … TAPS - 1 the place of the frame in the row
+
+since a row knows most about the frames in its middle.
+
+A take of another source differs more from m + W c than takes of the training do. So missing values
+are estimated twice, with σ² and with σ² + `RIDGE` times the mean variance of an entry of z;
+`weighted_completion` weighs both.
+
+References
+----------
+Tipping and Bishop, "Probabilistic principal component analysis", Journal of the Royal Statistical
+Society B 61, 1999, sections 3.1 to 3.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from numpy_cae.fast.thread_team import one_blas_thread
+from numpy_cae.manifold.pca import PCA
+from numpy_cae.training import Windows
+
+TAPS = 15
+"""Frames of a row, as many as a filter of holden2015 has."""
+STEP = 5
+"""Rows that are averaged begin so many frames apart."""
+AXES = 200
+"""Numbers of c. With 300 a take like those of the training is completed better, one of another
+source is not (docs/lab_book/completion.md)."""
+RIDGE = 3e-4
+"""This share of the mean variance is added to that of an entry where takes of another source are
+completed. With 1e-6 a Gaussian is better on takes like those it is fitted to, and four times worse
+on takes of another source (docs/lab_book/other_sources.md)."""
+MOST_ROWS = 10_000
+"""Rows that are fitted, evenly spaced over the training takes, to bound memory."""
+LEAST_NOISE = 1e-6
+"""The least σ², as a share of the mean variance of an entry of z."""
+
+
+@dataclass(frozen=True, eq=False)
+class ProbabilisticPCA:
+    """The principal components of `TAPS` successive frames.
+
+    Parameters
+    ----------
+    mean : (TAPS · C,) array of float
+        m.
+    axes : (R, TAPS · C) array of float
+        Wᵀ.
+    noise : float
+        σ².
+    """
+
+    mean: np.ndarray
+    axes: np.ndarray
+    noise: float
+
+    @classmethod
+    def fit(cls, windows: Windows, is_real: np.ndarray) -> ProbabilisticPCA | None:
+        """From the rows of normalised windows whose frames all count; None where there are none.
+
+        `is_real` (F,) tells which of the frames that the windows are cut from count.
+        """
+        within = windows.shape[1] - TAPS + 1  # places of a row in a window
+        if within < 1:
+            return None
+        is_whole = sliding_window_view(is_real, TAPS).all(axis=1)
+        rows_at = np.add.outer(windows.starts, np.arange(within)).ravel()
+        rows_at = rows_at[is_whole[rows_at]]
+        if not len(rows_at):
+            return None
+        count = min(len(rows_at), MOST_ROWS)
+        chosen = rows_at[np.linspace(0, len(rows_at) - 1, count).astype(int)]
+        rows = windows.frames[chosen[:, None] + np.arange(TAPS)].reshape(count, -1)
+        pca = PCA.fit(rows)
+        size = len(pca.mean)
+        left_out = max(size - AXES, 1)
+        noise = pca.variances[AXES:].sum() / left_out
+        noise = max(noise, LEAST_NOISE * pca.variances.sum() / size, np.finfo(float).tiny)
+        excess = np.maximum(pca.variances[:AXES] - noise, 0)
+        return cls(pca.mean, np.sqrt(excess)[:, None] * pca.axes[:AXES], float(noise))
+
+    def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Estimate the unknown values of a motion, with both variances of the module's text.
+
+        Parameters
+        ----------
+        x : (T, C) array of float
+            Normalised. Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a
+            motion of fewer than `TAPS` frames are unknown.
+        known : (T, C) array of bool
+
+        Returns
+        -------
+        (2, T, C) array of float64
+            Known values as they are given.
+        """
+        short = max(TAPS - len(x), 0)
+        values = np.pad(np.asarray(x, np.float64), ((0, short), (0, 0)))
+        mask = np.pad(known, ((0, short), (0, 0)))
+        last = len(values) - TAPS
+        hann = np.sin(np.pi * (np.arange(TAPS) + 0.5) / TAPS)[:, None] ** 2
+        sums = np.zeros((2, *values.shape))
+        weights = np.zeros((len(values), 1))
+        w = self.axes.T.astype(np.float64)
+        products = w.T @ w
+        with one_blas_thread():  # two threads wait for each other longer than they compute
+            for start in [*range(0, last, STEP), last]:
+                row = slice(start, start + TAPS)
+                estimates = self._complete_row(values[row].ravel(), mask[row].ravel(), w, products)
+                sums[:, row] += hann * estimates.reshape(2, TAPS, -1)
+                weights[row] += hann
+        return np.where(known, x, (sums / weights)[:, : len(x)])
+
+    def _complete_row(
+        self, z: np.ndarray, is_known: np.ndarray, w: np.ndarray, products: np.ndarray
+    ) -> np.ndarray:
+        """ẑ with both variances, (2, TAPS · C); `products` is WᵀW."""
+        if is_known.all():
+            return np.stack([z, z])
+        w_o = w[is_known]
+        if 2 * len(w_o) > len(w):
+            w_u = w[~is_known]
+            of_known = products - w_u.T @ w_u  # W_oᵀ W_o, from the fewer rows
+        else:
+            of_known = w_o.T @ w_o
+        right = w_o.T @ (z[is_known] - self.mean[is_known])
+        mean_variance = np.trace(products) / len(z) + self.noise
+        estimates = []
+        for noise in (self.noise, self.noise + RIDGE * mean_variance):
+            c = np.linalg.solve(of_known + noise * np.eye(len(right)), right)
+            estimates.append(self.mean + w @ c)
+        return np.stack(estimates)
