@@ -194,9 +194,8 @@ class MotionManifold:
         Returns
         -------
         (F, 63) array of float64
-            Known values as they are given. A feature without a known value starts as the mean pose,
-            and is what the network and the other features of the clip make of it. Where nothing is
-            known the start is the mean pose.
+            Known values as they are given. In a feature without a known value the candidates are
+            weighed by their errors in other features, left out as a whole.
 
         Raises
         ------

@@ -85,7 +85,7 @@ class ProbabilisticPCA:
         within = windows.shape[1] - TAPS + 1  # places of a row in a window
         if within < 1:
             return None
-        is_whole = sliding_window_view(is_real, TAPS).all(axis=1)
+        is_whole = np.asarray(sliding_window_view(is_real, TAPS).all(axis=1))
         rows_at = np.add.outer(windows.starts, np.arange(within)).ravel()
         rows_at = rows_at[is_whole[rows_at]]
         if not len(rows_at):

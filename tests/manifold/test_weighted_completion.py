@@ -4,18 +4,22 @@ import numpy as np
 import pytest
 
 from numpy_cae.manifold import weighted_completion
+from numpy_cae.manifold.probabilistic_pca import ProbabilisticPCA
 from numpy_cae.manifold.weighted_completion import (
     CLASSES,
     LEFT_OUT,
     NEAR,
     OTHER_CLASSES,
+    TRIAL_COLUMNS,
     candidates_of,
     classify,
     complete_weighted,
     leave_out,
+    leave_out_columns,
     minimise_on_simplex,
     weigh,
 )
+from numpy_cae.training import Windows
 
 
 def project_nothing(x, _averaged):
@@ -148,3 +152,30 @@ def test_values_of_other_classes_count_less_where_a_class_has_many(monkeypatch):
     assert weights[2, 4] > 0.9
     monkeypatch.setattr(weighted_completion, "OTHER_CLASSES", 1000 * OTHER_CLASSES)
     assert weigh(errors, distances)[1, 0] < 0.7
+
+
+@pytest.mark.parametrize("missing", [0, 3, 12, 40, 63])
+def test_columns_are_left_out_as_those_without_values_are_missing(missing):
+    has_values = np.ones(63, bool)
+    has_values[20 : 20 + missing] = False
+    left_out = leave_out_columns(has_values, np.random.default_rng(0))
+    assert not np.any(left_out & ~has_values)
+    count = np.count_nonzero(left_out)
+    assert count <= np.count_nonzero(has_values) / 2
+    if missing in (3, 12):
+        assert count >= TRIAL_COLUMNS
+    if missing == 0:
+        assert count == 0
+
+
+def test_a_column_without_values_is_from_the_candidate_that_knows_the_other_columns():
+    """A network that knows nothing, and a context of motions like this one."""
+    frames = np.tile(draw_motion(400), (1, 8))
+    frames += 0.01 * np.random.default_rng(1).normal(size=frames.shape)
+    windows = Windows(frames[:300], np.arange(0, 261, 40), 40)
+    context = ProbabilisticPCA.fit(windows, np.ones(300, bool))
+    known = np.ones((100, frames.shape[1]), bool)
+    known[:, 5:8] = False
+    completed = complete_weighted(frames[300:], known, project_nothing, context)
+    off = (completed - frames[300:])[:, 5:8]
+    assert np.sqrt(np.mean(off**2)) < 0.1 * frames[:, 5:8].std()
