@@ -77,12 +77,13 @@ PAPER = "the paper's"
 BEST = "best"
 QUICK = "fast, few epochs"
 BOTH = ""
+"""In place of the name of a network, where all networks take part in a claim, or none."""
 HEADER = ("statement", "network", "measured", "strongest simple opponent", "verdict", "seeds")
 
 
 @dataclass(frozen=True)
 class JudgedClaim:
-    """A claim of each seed, and the network that was judged, such as `PAPER`; `BOTH` for none."""
+    """A claim of each seed, and the network that was judged, such as `PAPER`, or `BOTH`."""
 
     network: str
     of_seeds: Sequence[Claim]
@@ -162,10 +163,26 @@ def judge_holden2015(
         judged: list[JudgedClaim] = []
         for name, networks in networks_to_judge(material, seed, trainer, network, quick, seeds):
             judged += judge_networks(name, networks, material, notes)
+        judged = keep_once(judged)
         judged += judge_small_networks(material, seed, trainer, quick, notes)
         if not has_press_ups(material):
             judged += judge_press_ups(Path(folder) / "press_ups", seed, trainer, quick)
     return judged
+
+
+def keep_once(judged: Sequence[JudgedClaim]) -> list[JudgedClaim]:
+    """The claims; one of a statement that says nothing of a network is listed once, not for each
+    network."""
+    kept = []
+    listed = set()
+    for judged_claim in judged:
+        claim = judged_claim.of_seeds[0]
+        if not STATEMENTS[claim.key].get("without network"):
+            kept.append(judged_claim)
+        elif (claim.key, claim.of) not in listed:
+            kept.append(JudgedClaim(BOTH, [claim]))
+            listed.add((claim.key, claim.of))
+    return kept
 
 
 def count_verdicts(claims: Sequence[Claim]) -> Table:

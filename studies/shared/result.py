@@ -24,7 +24,8 @@ STATEMENTS: dict[str, dict[str, Any]] = {
     for statement in json.loads(Path(__file__).with_name("statements.json").read_text("utf-8"))
 }
 """The statements that studies test, of the papers in their order and of this project: key to
-sentence, source, when it is confirmed, opponents, takes, seeds and spread."""
+sentence, source, when it is confirmed, opponents, takes, seeds and spread. "without network" is
+true of those that say nothing of a network."""
 
 
 CONFIRMED = "confirmed"

@@ -53,6 +53,15 @@ def test_a_study_that_cannot_be_run_is_in_the_note(small_manifold, labelled, mon
     assert "interpolation, best: could not be run" in notes[0]
 
 
+def test_a_claim_without_a_network_is_listed_once():
+    judged = []
+    for network in ("the paper's", "best"):
+        for key, of in (("small_subspace", "frames"), ("small_subspace", ""), ("even_smooth", "")):
+            judged.append(claims.JudgedClaim(network, [Claim(key, True, "1 cm.", of)]))
+    listed = [claim.named().statement.rpartition(")")[2] for claim in claims.keep_once(judged)]
+    assert listed == [": frames", "", ": the paper's", ": best"]
+
+
 @pytest.mark.parametrize(
     ("of_seeds", "verdict"),
     [
