@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-from numpy_cae.evaluation.tables import COMPLETED, GAUSSIAN, LINEAR, NETWORK, PROCESS, SPLINE
+from numpy_cae.evaluation.tables import COMPLETED, DYNAMICS, GAUSSIAN, LINEAR, NETWORK, PROCESS
 from studies.shared.result import Table
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ PURPLE = "#9a6bc2"
 METHODS = {
     LINEAR: ("linear map, zeros", GREY, "--"),
     NETWORK: ("network, zeros", BLUE, "--"),
-    SPLINE: ("spline, mask given", GREEN, "-"),
     PROCESS: ("Gaussian process, mask given", PURPLE, "-"),
+    DYNAMICS: ("Kalman smoother, mask given", GREEN, "-"),
     GAUSSIAN: ("Gaussian, mask given", ORANGE, "-"),
     COMPLETED: ("complete, mask given", BLUE, "-"),
 }
