@@ -158,7 +158,7 @@ def _claims(squares: dict[str, np.ndarray]) -> list[Claim]:
 
 def _claim_of_information(squares: dict[str, np.ndarray], errors: dict[str, float]) -> Claim:
     """Whether the values that are left say nothing of the removed half."""
-    best = min((*tables.SIMPLE_WITH_MASK, tables.COMPLETED), key=lambda name: errors[name])
+    best = min(tables.SIMPLE_WITH_MASK, key=lambda name: errors[name])
     left = ratio_of_errors(squares[best], squares[tables.DAMAGED])
     figures = f"{best}: {errors[best]:.2f} cm, {left:.3f} of the error."
     return Claim("half_of_information", negate(left.below(0.5**0.5)), figures)

@@ -17,7 +17,12 @@ from numpy_cae.manifold.model_arrays import (
     read_numbers,
     require_loadable,
 )
-from numpy_cae.manifold.probabilistic_pca import TAPS, ProbabilisticPCA
+from numpy_cae.manifold.probabilistic_pca import (
+    LEAST_NOISE,
+    LEAST_VARIANCE,
+    TAPS,
+    ProbabilisticPCA,
+)
 from numpy_cae.manifold.weighted_completion import complete_weighted
 from numpy_cae.models import ConvAutoencoder, ConvLayer
 from numpy_cae.motion import JOINTS, RATE, bone_lengths, change_lengths, positions_to_features
@@ -29,8 +34,6 @@ FORMAT = "numpy_cae convolutional manifold 3"
 """The only format that is read; a file of another version has to be made again."""
 MAX_HIDDEN_FRAMES = 120
 """A longer clip is projected in pieces of this length, to bound memory."""
-SMALLEST_VARIANCE = SMALLEST**2
-"""The least σ² of a file's `context`."""
 MAX_PIECES = 400
 """The number of projected pieces that `remember_projections` keeps, 0.1 GB."""
 
@@ -368,8 +371,10 @@ def _read_context(arrays: dict[str, np.ndarray]) -> ProbabilisticPCA | None:
     size = TAPS * FEATURES
     axes = arrays["context_axes"]
     count = min(len(axes), size) if axes.ndim else 0
-    return ProbabilisticPCA(
-        read_numbers(arrays, "context_mean", (size,)),
-        read_numbers(arrays, "context_axes", (count, size)),
-        float(read_numbers(arrays, "context_noise", (), SMALLEST_VARIANCE)),
-    )
+    mean = read_numbers(arrays, "context_mean", (size,))
+    axes = read_numbers(arrays, "context_axes", (count, size))
+    noise = float(read_numbers(arrays, "context_noise", (), LEAST_VARIANCE))
+    # Half of what is learned, since the axes may have been rounded to float16.
+    if noise < LEAST_NOISE / 2 * float(np.sum(np.square(axes, dtype=np.float64))) / size:
+        raise ValueError("context_noise is too small for context_axes")
+    return ProbabilisticPCA(mean, axes, noise)

@@ -9,6 +9,8 @@ takes, the likelihood is largest for
 
     σ² = the mean variance along the axes that are left out,    W = U (Λ - σ² I)^½
 
+where σ² is at least `LEAST_NOISE` times the mean variance of an entry of z.
+
 Where only z_o is known, with W_o and m_o the rows of W and m that belong to it, z is estimated by
 
     ẑ = m + W E[c | z_o],    E[c | z_o] = (W_oᵀ W_o + σ² I)⁻¹ W_oᵀ (z_o - m_o)
@@ -18,7 +20,7 @@ are averaged with the weights of Hann's window,
 
     w_j = sin²(π (j + ½) / TAPS),   j = 0 … TAPS - 1 the place of the frame in the row
 
-since a row knows most about the frames in its middle.
+since frames in the middle of a row have the most frames on both sides.
 
 A take of another source differs more from m + W c than takes of the training do. So missing values
 are estimated twice, with σ² and with σ² + `RIDGE` times the mean variance of an entry of z;
@@ -56,6 +58,8 @@ MOST_ROWS = 10_000
 """Rows that are fitted, evenly spaced over the training takes, to bound memory."""
 LEAST_NOISE = 1e-6
 """The least σ², as a share of the mean variance of an entry of z."""
+LEAST_VARIANCE = 1e-12
+"""The least σ²."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +82,8 @@ class ProbabilisticPCA:
 
     @classmethod
     def fit(cls, windows: Windows, is_real: np.ndarray) -> ProbabilisticPCA | None:
-        """From the rows of normalised windows whose frames all count; None where there are none.
+        """From the rows of normalised windows whose frames all count; None where there are none, or
+        where all are the same.
 
         `is_real` (F,) tells which of the frames that the windows are cut from count.
         """
@@ -94,10 +99,12 @@ class ProbabilisticPCA:
         chosen = rows_at[np.linspace(0, len(rows_at) - 1, count).astype(int)]
         rows = windows.frames[chosen[:, None] + np.arange(TAPS)].reshape(count, -1)
         pca = PCA.fit(rows)
+        if not pca.variances.any():
+            return None
         size = len(pca.mean)
         left_out = max(size - AXES, 1)
         noise = pca.variances[AXES:].sum() / left_out
-        noise = max(noise, LEAST_NOISE * pca.variances.sum() / size, np.finfo(float).tiny)
+        noise = max(noise, LEAST_NOISE * pca.variances.sum() / size, LEAST_VARIANCE)
         excess = np.maximum(pca.variances[:AXES] - noise, 0)
         return cls(pca.mean, np.sqrt(excess)[:, None] * pca.axes[:AXES], float(noise))
 

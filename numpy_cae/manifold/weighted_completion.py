@@ -10,7 +10,7 @@ The candidates are:
    a take like these and for one of another source (`manifold.probabilistic_pca`);
 5. the completion by the network, which starts from the curve, refined in the same way.
 
-Those for which the manifold has nothing are left out.
+Without a network there is no candidate 5, without principal components no candidates 3 and 4.
 
 About a tenth of the known values is left out and completed in the same way. With e_ik the errors of
 candidate k at the values left out, and `CLASSES` of the distance in frames to the nearest known
@@ -54,8 +54,10 @@ LEFT_OUT = 0.1
 LEAST_LEFT_OUT = 20
 """With fewer values left out there are no weights: the last candidate is taken."""
 TRIAL_COLUMNS = 18
-"""Columns of the second trial, those of six joints, chosen among 9 and 18 on takes of Bandai, CMU
-and `data_synth`: of one joint alone the weights depend on which it is."""
+"""Columns of the second trial, as many as six joints have, chosen among 9 and 18 on takes of
+Bandai, CMU and `data_synth`: with those of one joint the weights depend on which it is."""
+LEAST_TRIAL_COLUMNS = 6
+"""With fewer columns left out there are no weights: the last candidate is taken."""
 MOST_MOVES = 12
 """Columns are left out at most so many times, for `TRIAL_COLUMNS`."""
 Project = Callable[[np.ndarray, bool], np.ndarray]
@@ -109,8 +111,12 @@ def complete_weighted(
         weights = weigh(errors_of(left_out), distances)
         of_value = weights[:, classify(distances_to_nearest(known))]
         blended[:, has_values] = np.sum(of_value * candidates, axis=0)[:, has_values]
-    left_out = known & leave_out_columns(has_values, rng)
-    if np.count_nonzero(left_out) >= LEAST_LEFT_OUT:
+    columns = leave_out_columns(has_values, rng)
+    left_out = known & columns
+    if (
+        np.count_nonzero(columns) >= LEAST_TRIAL_COLUMNS
+        and np.count_nonzero(left_out) >= LEAST_LEFT_OUT
+    ):
         weights_of_columns = weigh_columns(errors_of(left_out))
         estimates = np.tensordot(weights_of_columns, candidates[1:], axes=1)
         blended[:, ~has_values] = estimates[:, ~has_values]

@@ -117,6 +117,10 @@ def test_an_array_that_is_missing_or_not_finite_is_an_error(models, kind, file):
         ("conv", "rescales", True, "rescales is not"),
         ("conv", "settings", '{"a": ' + "[" * 50_000 + "]" * 50_000 + "}", "recursion"),
         ("conv", "settings", 3.0, "settings is not a JSON object"),
+        ("conv", "context_axes", np.zeros((3, 944)), "context_axes has shape"),
+        ("conv", "context_axes", 1.0, "context_axes has shape"),
+        ("conv", "context_axes", np.full((2, 945), 100.0), "context_noise is too small"),
+        ("conv", "context_noise", 0.0, "context_noise holds"),
         ("conv", "window", -3, "window is not a whole number"),
         ("sequence", "mean", np.zeros(53), "mean has shape"),
         ("sequence", "deviation", np.zeros(54), "not from 1e-06"),
@@ -144,3 +148,11 @@ def test_half_precision_is_a_smaller_file_of_nearly_the_same_model(untrained_man
     loaded = load_manifold(tmp_path / "True.npz")
     assert loaded.network.layers[0].w.dtype == np.float32
     np.testing.assert_allclose(loaded.project(x), untrained_manifold.project(x), atol=0.02)
+
+
+def test_a_file_without_principal_components_is_read(models, file):
+    arrays = arrays_of(models["conv"])
+    np.savez(file, **{key: value for key, value in arrays.items() if "context" not in key})
+    assert load_manifold(file).context is None
+    file.write_bytes(models["conv"])
+    assert load_manifold(file).context is not None

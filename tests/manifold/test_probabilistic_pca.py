@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from numpy_cae.manifold import probabilistic_pca
+from numpy_cae.manifold import learn_manifold, load_manifold, probabilistic_pca
 from numpy_cae.manifold.probabilistic_pca import AXES, RIDGE, TAPS, ProbabilisticPCA
-from numpy_cae.training import Windows
+from numpy_cae.training import Schedule, Stage, Windows
 
 COLUMNS = 3
 
@@ -92,11 +92,21 @@ def test_frames_that_do_not_count_are_not_fitted():
     assert ProbabilisticPCA.fit(Windows(frames, np.array([0]), TAPS - 1), is_real) is None
 
 
-def test_a_motion_that_stands_still_is_completed():
-    context = fit(np.ones((100, COLUMNS)))
-    known = np.zeros((20, COLUMNS), bool)
-    known[3] = True
-    np.testing.assert_allclose(context.complete(np.ones((20, COLUMNS)), known), 1, atol=1e-6)
+@pytest.mark.parametrize("frames", [TAPS, 100])
+def test_frames_that_are_all_the_same_have_no_principal_components(frames):
+    windows = Windows(np.ones((frames, COLUMNS)), np.array([0]), frames)
+    assert ProbabilisticPCA.fit(windows, np.ones(frames, bool)) is None
+
+
+def test_a_manifold_of_few_frames_is_saved(walk_takes, tmp_path):
+    schedule = Schedule(layer=Stage(epochs=0), fine_tuning=Stage(epochs=1, rate=0.01))
+    for frames in (TAPS - 1, TAPS, TAPS + 1):
+        manifold = learn_manifold(
+            [walk_takes[0][:frames]], schedule, window=16, filters=(4,), taps=3
+        )
+        manifold.save(tmp_path / "m.npz")
+        loaded = load_manifold(tmp_path / "m.npz")
+        assert (loaded.context is None) == (frames <= TAPS)
 
 
 def test_there_are_at_most_so_many_axes():
