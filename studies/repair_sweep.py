@@ -24,7 +24,7 @@ from numpy_cae.manifold import MotionManifold
 from numpy_cae.manifold.weighted_completion import complete_weighted
 from numpy_cae.training import zero_values
 from numpy_cae.viz import CORRUPTED, OTHERS, PLAIN, PROJECTED, TRUTH
-from studies.shared.judging import negate, ratio_of_errors, root_mean_square
+from studies.shared.judging import ratio_of_errors, root_mean_square
 from studies.shared.material import Material, testing_of
 from studies.shared.result import Claim, Picture, Result, Table, moving
 
@@ -161,7 +161,7 @@ def _claim_of_information(squares: dict[str, np.ndarray], errors: dict[str, floa
     best = min(tables.SIMPLE_WITH_MASK, key=lambda name: errors[name])
     left = ratio_of_errors(squares[best], squares[tables.DAMAGED])
     figures = f"{best}: {errors[best]:.2f} cm, {left:.3f} of the error."
-    return Claim("half_of_information", negate(left.below(0.5**0.5)), figures)
+    return Claim("half_of_information", left.at_least(0.5**0.5), figures)
 
 
 def _claim_of_completion(squares: dict[str, np.ndarray], simple: str) -> Claim:

@@ -229,8 +229,9 @@ def fit_landmarks(rows: np.ndarray) -> np.ndarray:
     """The coordinates (N, L) of rows (N, D) by Nyström's method, of which the inner products
     approximate the Gaussian kernel: K_NL K_LL^(-1/2) for the first L rows as landmarks."""
     landmarks = rows[:LANDMARKS]
-    scale = np.median(squared_distances(landmarks, landmarks))
-    spread, vectors = np.linalg.eigh(np.exp(-squared_distances(landmarks, landmarks) / scale))
+    between = squared_distances(landmarks, landmarks)
+    scale = np.median(between)
+    spread, vectors = np.linalg.eigh(np.exp(-between / scale))
     axes = vectors / np.sqrt(spread.clip(1e-6))
     return np.exp(-squared_distances(rows, landmarks) / scale) @ axes
 
@@ -267,7 +268,7 @@ def _compare_kernels(of_network: Interval, of_map: Interval, repetitions: int) -
 
         times[name] = _slope_of(fit_to, KERNEL_SIZES, repetitions)
         memory[name] = _slope_of_memory(fit_to, KERNEL_SIZES)
-    grows = all_of(_at_least(times[KERNEL], LEAST_POWER), memory[KERNEL] >= LEAST_POWER)
+    grows = all_of(times[KERNEL].at_least(LEAST_POWER), memory[KERNEL] >= LEAST_POWER)
     scales = {}
     listed = {}
     for name, power in memory.items():
@@ -289,13 +290,6 @@ def _compare_kernels(of_network: Interval, of_map: Interval, repetitions: int) -
     return Result("", [Table("Power of the windows:", header, table_rows)], [claim])
 
 
-def _at_least(power: Interval, bound: float) -> bool | None:
-    """Whether all measurements are at least the bound; None where some are."""
-    if power.low >= bound:
-        return True
-    return False if power.high < bound else None
-
-
 def _time_trees(training: Interval) -> Result:
     """The minutes of a KD tree of the paper's windows beside those of the training."""
     count = max(PAPER_WINDOWS // TREE_PART, 2)
@@ -308,14 +302,9 @@ def _time_trees(training: Interval) -> Result:
     minutes_building = building * growth * log(PAPER_WINDOWS) / log(count) / 60
     minutes = minutes_building + searching * growth**2 / 60
     minutes_comparing = comparing * growth**2 / 60
-    fulfilled: bool | None = None
-    if minutes > training.high:
-        fulfilled = True
-    elif minutes <= training.low:
-        fulfilled = False
     claim = Claim(
         "trees_expensive",
-        fulfilled,
+        training.below(minutes),
         f"{minutes_building:.2f} minutes for the tree, {minutes:.0f} with the search; the training "
         f"{training:.0f};",
         opponent=f"{PAIRS} {minutes_comparing:.1f} minutes.",

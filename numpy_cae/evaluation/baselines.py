@@ -11,14 +11,9 @@ mean given the rest,
 
 where o are the known and u the unknown entries of z, and S_oo, which may be singular, stands for
 S_oo + r I with r = `ridge` times the mean of all diagonal entries of S (`Gaussian.complete`). Rows
-begin every `STEP` frames, so they overlap. The estimates of a frame by all rows that have it are
-averaged with the weights of Hann's window,
-
-    w_j = sin²(π (j + ½) / TAPS),   j = 0 … TAPS - 1 the place of the frame in the row
-
-since a row knows most about the frames in its middle. `fit_gaussian` chooses the ridge on training
-takes that are left out. Where the mask is not given and a removed value is zero, the best linear
-map of z to the frame in its middle, x, is
+overlap, and their estimates are averaged as in `manifold.probabilistic_pca`. `fit_gaussian` chooses
+the ridge on training takes that are left out. Where the mask is not given and a removed value is
+zero, the best linear map of z to the frame in its middle, x, is
 
     A = argmin E ‖x - (k ∘ z) A‖² = M⁻¹ B,
     M_ij = E[z_i z_j] (1 - p)²   (i ≠ j),   M_ii = E[z_i²] (1 - p),   B_ij = (1 - p) E[z_i x_j]
@@ -29,11 +24,13 @@ r of the diagonal of M (`Gaussian.linear_map`).
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.fast.thread_team import one_blas_thread
-from numpy_cae.manifold.probabilistic_pca import RIDGE, STEP, TAPS
+from numpy_cae.manifold.probabilistic_pca import RIDGE, TAPS, complete_by_rows
 
 RIDGES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Shares of which `fit_gaussian` chooses one."""
@@ -117,32 +114,17 @@ class Gaussian:
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).
 
-        Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a window of fewer
-        than `TAPS` frames are unknown.
+        `complete_by_rows` says where rows begin.
         """
         moments = self.whole if self.whole.rows else self.every
         mean = moments.mean
         covariance = _with_ridge(moments.covariance, self.ridge)
-        frames = x.shape[1]
-        short = max(TAPS - frames, 0)
-        last = frames + short - TAPS
-        starts = [*range(0, last, STEP), last]
-        hann = np.sin(np.pi * (np.arange(TAPS) + 0.5) / TAPS)[:, None] ** 2
-        estimates = np.zeros((len(x), frames + short, x.shape[2]))
-        weights = np.zeros((frames + short, 1))
-        for start in starts:
-            weights[start : start + TAPS] += hann
+        complete_row = partial(_complete_row, mean=mean, covariance=covariance)
+        completed = np.empty(x.shape)
         with one_blas_thread():  # two threads wait for each other longer than they compute
-            for window, mask, estimate in zip(x, known, estimates, strict=True):
-                padded = np.pad(window, ((0, short), (0, 0)))
-                padded_mask = np.pad(mask, ((0, short), (0, 0)))
-                for start in starts:
-                    row = slice(start, start + TAPS)
-                    completed = _complete_row(
-                        padded[row].ravel(), padded_mask[row].ravel(), mean, covariance
-                    )
-                    estimate[row] += hann * completed.reshape(TAPS, -1)
-        return np.where(known, x, (estimates / weights)[:, :frames])
+            for window, mask, into in zip(x, known, completed, strict=True):
+                into[...] = complete_by_rows(window, mask, complete_row, count=1)[0]
+        return completed
 
     def linear_map(self, p: float) -> np.ndarray:
         """A for values that are zero with probability p, (TAPS · C, C); see `apply_linear_map`."""
@@ -157,11 +139,11 @@ class Gaussian:
 def _complete_row(
     z: np.ndarray, is_known: np.ndarray, mean: np.ndarray, covariance: np.ndarray
 ) -> np.ndarray:
-    """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (TAPS · C,)."""
+    """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (1, TAPS · C)."""
     o = np.flatnonzero(is_known)
     weights = np.zeros(len(mean))
     weights[o] = np.linalg.solve(covariance[np.ix_(o, o)], z[o] - mean[o])
-    return mean + covariance @ weights
+    return (mean + covariance @ weights)[None]
 
 
 def apply_linear_map(x: np.ndarray, a: np.ndarray) -> np.ndarray:

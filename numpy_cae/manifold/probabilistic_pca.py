@@ -34,7 +34,9 @@ Society B 61, 1999, sections 3.1 to 3.3.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -114,8 +116,7 @@ class ProbabilisticPCA:
         Parameters
         ----------
         x : (T, C) array of float
-            Normalised. Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a
-            motion of fewer than `TAPS` frames are unknown.
+            Normalised.
         known : (T, C) array of bool
 
         Returns
@@ -123,22 +124,10 @@ class ProbabilisticPCA:
         (2, T, C) array of float64
             Known values as they are given.
         """
-        short = max(TAPS - len(x), 0)
-        values = np.pad(np.asarray(x, np.float64), ((0, short), (0, 0)))
-        mask = np.pad(known, ((0, short), (0, 0)))
-        last = len(values) - TAPS
-        hann = np.sin(np.pi * (np.arange(TAPS) + 0.5) / TAPS)[:, None] ** 2
-        sums = np.zeros((2, *values.shape))
-        weights = np.zeros((len(values), 1))
         w = self.axes.T.astype(np.float64)
-        products = w.T @ w
+        complete_row = partial(self._complete_row, w=w, products=w.T @ w)
         with one_blas_thread():  # two threads wait for each other longer than they compute
-            for start in [*range(0, last, STEP), last]:
-                row = slice(start, start + TAPS)
-                estimates = self._complete_row(values[row].ravel(), mask[row].ravel(), w, products)
-                sums[:, row] += hann * estimates.reshape(2, TAPS, -1)
-                weights[row] += hann
-        return np.where(known, x, (sums / weights)[:, : len(x)])
+            return complete_by_rows(x, known, complete_row, count=2)
 
     def _complete_row(
         self, z: np.ndarray, is_known: np.ndarray, w: np.ndarray, products: np.ndarray
@@ -159,3 +148,42 @@ class ProbabilisticPCA:
             c = np.linalg.solve(of_known + noise * np.eye(len(right)), right)
             estimates.append(self.mean + w @ c)
         return np.stack(estimates)
+
+
+def complete_by_rows(
+    x: np.ndarray,
+    known: np.ndarray,
+    complete_row: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    count: int,
+) -> np.ndarray:
+    """The mean, with Hann's weights, of what overlapping rows say of the unknown values.
+
+    Parameters
+    ----------
+    x : (T, C) array of float
+        Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a motion of fewer
+        than `TAPS` frames are unknown.
+    known : (T, C) array of bool
+    complete_row : function (z, is_known) -> estimates
+        Of a row (TAPS · C,) and its mask, estimates (count, TAPS · C).
+    count : int
+        Number of estimates.
+
+    Returns
+    -------
+    (count, T, C) array of float64
+        Known values as they are given.
+    """
+    short = max(TAPS - len(x), 0)
+    values = np.pad(np.asarray(x, np.float64), ((0, short), (0, 0)))
+    mask = np.pad(known, ((0, short), (0, 0)))
+    last = len(values) - TAPS
+    hann = np.sin(np.pi * (np.arange(TAPS) + 0.5) / TAPS)[:, None] ** 2
+    sums = np.zeros((count, *values.shape))
+    weights = np.zeros((len(values), 1))
+    for start in [*range(0, last, STEP), last]:
+        row = slice(start, start + TAPS)
+        estimates = complete_row(values[row].ravel(), mask[row].ravel())
+        sums[:, row] += hann * estimates.reshape(count, TAPS, -1)
+        weights[row] += hann
+    return np.where(known, x, (sums / weights)[:, : len(x)])

@@ -222,8 +222,7 @@ def weigh(errors: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """The weights (K, classes) of candidates by their errors (K, N) in values left out, at these
     distances (N,) from the nearest known value; candidate 0 is the curve by itself."""
     candidates = len(errors)
-    all_products = errors @ errors.T / errors.shape[1]
-    all_products += 1e-12 * (np.trace(all_products) or 1.0) * np.eye(candidates)
+    all_products = mean_products(errors)
     weights = np.zeros((candidates, len(CLASSES) + 1))
     classes = classify(distances)
     for number in range(len(CLASSES) + 1):
@@ -241,10 +240,13 @@ def weigh(errors: np.ndarray, distances: np.ndarray) -> np.ndarray:
 def weigh_columns(errors: np.ndarray) -> np.ndarray:
     """The weights (K - 1,) of candidates 2, 3, … for columns without a known value, by the errors
     (K, N) of all candidates in columns that were left out."""
-    products = errors[1:] @ errors[1:].T / errors.shape[1]
-    return minimise_on_simplex(
-        products + 1e-12 * (np.trace(products) or 1.0) * np.eye(len(products))
-    )
+    return minimise_on_simplex(mean_products(errors[1:]))
+
+
+def mean_products(errors: np.ndarray) -> np.ndarray:
+    """The mean products (K, K) of the errors (K, N) of two candidates, positive definite."""
+    products = errors @ errors.T / errors.shape[1]
+    return products + 1e-12 * (np.trace(products) or 1.0) * np.eye(len(products))
 
 
 def minimise_on_simplex(products: np.ndarray) -> np.ndarray:

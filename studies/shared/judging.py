@@ -42,6 +42,10 @@ class Interval:
             return True
         return False if self.low >= bound else None
 
+    def at_least(self, bound: float) -> bool | None:
+        """Whether the figure is at least the bound; None where the takes do not decide."""
+        return negate(self.below(bound))
+
     def above(self, bound: float) -> bool | None:
         """Whether the figure is above the bound; None where the takes do not decide."""
         return negate(self.at_most(bound))
