@@ -6,10 +6,11 @@ section 7, "Filling in Missing Data".
 
 Of at most `--takes` takes of each source, evenly spaced, each value is removed with probability p,
 in at most 160 frames in the middle of the take. Errors are root mean squares of the missing joint
-coordinates over all takes and seeds. `complete` weighs a Gaussian process of each column, the same
-refined by what the frames of the take say, and the network's completion refined
-(numpy_cae/manifold/weighted_completion.py has the equations). What the network adds is the
-difference to the same without the network. docs/lab_book/completion.md has the findings.
+coordinates over all takes and seeds. `complete` weighs a Gaussian process of each column,
+principal components of the training takes, and the network's completion, most of them refined by
+what the frames of the take say (numpy_cae/manifold/weighted_completion.py has the equations). What
+the network adds is the difference to the same without the network. docs/lab_book/completion.md has
+the findings.
 
 Holes of joints are measured by `python -m studies holes`, a wrist that is missing for a whole clip
 by `wrist`, stepped keys by `stepped_keys`.

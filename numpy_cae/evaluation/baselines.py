@@ -30,7 +30,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.fast.thread_team import one_blas_thread
-from numpy_cae.manifold.probabilistic_pca import RIDGE, TAPS, complete_by_rows
+from numpy_cae.manifold.probabilistic_pca import RIDGE, TAPS, estimate_by_rows
 
 RIDGES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Shares of which `fit_gaussian` chooses one."""
@@ -114,16 +114,17 @@ class Gaussian:
     def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The unknown values of windows (N, T, C), E[z_u | z_o]; `known` is a mask (N, T, C).
 
-        `complete_by_rows` says where rows begin.
+        `estimate_by_rows` says where rows begin.
         """
         moments = self.whole if self.whole.rows else self.every
         mean = moments.mean
         covariance = _with_ridge(moments.covariance, self.ridge)
-        complete_row = partial(_complete_row, mean=mean, covariance=covariance)
+        estimate_row = partial(_estimate_row, mean=mean, covariance=covariance)
         completed = np.empty(x.shape)
         with one_blas_thread():  # two threads wait for each other longer than they compute
             for window, mask, into in zip(x, known, completed, strict=True):
-                into[...] = complete_by_rows(window, mask, complete_row, count=1)[0]
+                estimate = estimate_by_rows(window, mask, estimate_row, count=1)[0]
+                into[...] = np.where(mask, window, estimate)
         return completed
 
     def linear_map(self, p: float) -> np.ndarray:
@@ -136,7 +137,7 @@ class Gaussian:
         return np.linalg.solve(_with_ridge(m, RIDGE), (1 - p) * second[:, middle])
 
 
-def _complete_row(
+def _estimate_row(
     z: np.ndarray, is_known: np.ndarray, mean: np.ndarray, covariance: np.ndarray
 ) -> np.ndarray:
     """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (1, TAPS · C)."""

@@ -178,11 +178,12 @@ class MotionManifold:
         In normalised features, five candidates are completed: a Gaussian process over time of each
         feature by itself (`motion.gaussian_process`); this curve, refined by what the values of
         each frame say about one another in this clip (`motion.frame_gaussian`); what the principal
-        components of fifteen frames of the training takes say, once for a take like these and once
-        for another source (`manifold.probabilistic_pca`); and what the network makes of the curve
-        by the iteration of `manifold.completion`, refined as the curve was. They are weighed by
-        their errors in about a tenth of the known values, left out, for each distance to the
-        nearest known value. Time and memory are linear in the frames.
+        components of fifteen frames of the training takes say (`manifold.probabilistic_pca`) of a
+        take like these, with the curve of what they miss at known values, and of another source,
+        refined as the curve was; and what the network makes of the curve by the iteration of
+        `manifold.completion`, refined as well. They are weighed by their errors in about a tenth of
+        the known values, left out up to four times, for each distance to the nearest known value.
+        Time and memory are linear in the frames.
 
         Parameters
         ----------

@@ -110,8 +110,8 @@ class ProbabilisticPCA:
         excess = np.maximum(pca.variances[:AXES] - noise, 0)
         return cls(pca.mean, np.sqrt(excess)[:, None] * pca.axes[:AXES], float(noise))
 
-    def complete(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Estimate the unknown values of a motion, with both variances of the module's text.
+    def estimate(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Estimate the values of a motion, with both variances of the module's text.
 
         Parameters
         ----------
@@ -122,14 +122,14 @@ class ProbabilisticPCA:
         Returns
         -------
         (2, T, C) array of float64
-            Known values as they are given.
+            Known values are estimated too, but for rows without unknown ones.
         """
         w = self.axes.T.astype(np.float64)
-        complete_row = partial(self._complete_row, w=w, products=w.T @ w)
+        estimate_row = partial(self._estimate_row, w=w, products=w.T @ w)
         with one_blas_thread():  # two threads wait for each other longer than they compute
-            return complete_by_rows(x, known, complete_row, count=2)
+            return estimate_by_rows(x, known, estimate_row, count=2)
 
-    def _complete_row(
+    def _estimate_row(
         self, z: np.ndarray, is_known: np.ndarray, w: np.ndarray, products: np.ndarray
     ) -> np.ndarray:
         """ẑ with both variances, (2, TAPS · C); `products` is WᵀW."""
@@ -150,13 +150,13 @@ class ProbabilisticPCA:
         return np.stack(estimates)
 
 
-def complete_by_rows(
+def estimate_by_rows(
     x: np.ndarray,
     known: np.ndarray,
-    complete_row: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    estimate_row: Callable[[np.ndarray, np.ndarray], np.ndarray],
     count: int,
 ) -> np.ndarray:
-    """The mean, with Hann's weights, of what overlapping rows say of the unknown values.
+    """The mean, with Hann's weights, of what overlapping rows say of their values.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def complete_by_rows(
         Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a motion of fewer
         than `TAPS` frames are unknown.
     known : (T, C) array of bool
-    complete_row : function (z, is_known) -> estimates
+    estimate_row : function (z, is_known) -> estimates
         Of a row (TAPS · C,) and its mask, estimates (count, TAPS · C).
     count : int
         Number of estimates.
@@ -172,7 +172,6 @@ def complete_by_rows(
     Returns
     -------
     (count, T, C) array of float64
-        Known values as they are given.
     """
     short = max(TAPS - len(x), 0)
     values = np.pad(np.asarray(x, np.float64), ((0, short), (0, 0)))
@@ -183,7 +182,7 @@ def complete_by_rows(
     weights = np.zeros((len(values), 1))
     for start in [*range(0, last, STEP), last]:
         row = slice(start, start + TAPS)
-        estimates = complete_row(values[row].ravel(), mask[row].ravel())
+        estimates = estimate_row(values[row].ravel(), mask[row].ravel())
         sums[:, row] += hann * estimates.reshape(count, TAPS, -1)
         weights[row] += hann
-    return np.where(known, x, (sums / weights)[:, : len(x)])
+    return (sums / weights)[:, : len(x)]

@@ -6,13 +6,15 @@ The candidates are:
 2. this curve, refined: the iteration of `manifold.completion`, in which P predicts each value from
    the others of its frame, by the Gaussian of the frames of this motion; then the frames of the
    result given how certain each interpolated value is (`motion.frame_gaussian`);
-3. and 4. what the principal components of fifteen successive frames of the training takes say, for
-   a take like these and for one of another source (`manifold.probabilistic_pca`);
+3. what the principal components of fifteen successive frames of the training takes say of a take
+   like these (`manifold.probabilistic_pca`), and the curve of what they miss at the known values;
+4. what they say of a take of another source, refined as the curve is;
 5. the completion by the network, which starts from the curve, refined in the same way.
 
 Without a network there is no candidate 5, without principal components no candidates 3 and 4.
 
-About a tenth of the known values is left out and completed in the same way. With e_ik the errors of
+In trials, about a tenth of the known values is left out and completed in the same way, until
+`TRIAL_VALUES` values have been left out, at most `MOST_TRIALS` times. With e_ik the errors of
 candidate k at the values left out, and `CLASSES` of the distance in frames to the nearest known
 value, each class has the weights of least squares
 
@@ -38,24 +40,30 @@ from numpy_cae.motion.frame_gaussian import condition_frames, predict_from_other
 from numpy_cae.motion.gaussian_process import fit_curves, gap_variances
 from numpy_cae.motion.masks import distances_to_known, runs
 
-CURVE_PREDICTIONS = 8
-"""At most so many times the values of the frames of candidate 2 predict one another."""
-NETWORK_PREDICTIONS = 4
-"""The same of candidate 5, which the network has made a motion before."""
+PREDICTIONS = 8
+"""At most so many times the values of the frames of candidates 2, 4 and 5 predict one another."""
 CLASSES = (1, 2, 4, 8)
 """Upper ends of classes of distances (frames) to the nearest known value; the last one has none."""
+MISSED_LENGTH = 5.0
+"""The length ℓ (frames) of the curve of candidate 3, chosen among 2.5 to 40 on takes of three
+sources. Those of largest likelihood are shorter, and no better."""
 NEAR = 4
 """The curve by itself is a candidate up to this distance, chosen on files of people among 0, 1, 2,
 4 and any (docs/lab_book/completion.md)."""
 OTHER_CLASSES = 150
 """Chosen on files of people among 20, 50 and 150."""
 LEFT_OUT = 0.1
-"""The share of the known values that is left out."""
+"""The share of the known values that is left out in a trial."""
+TRIAL_VALUES = 800
+"""There are no more trials once so many values have been left out."""
+MOST_TRIALS = 4
+"""With 8 trials and 1,600 values errors are 1 to 3% smaller (docs/lab_book/completion.md)."""
 LEAST_LEFT_OUT = 20
 """With fewer values left out there are no weights: the last candidate is taken."""
 TRIAL_COLUMNS = 18
-"""Columns of the second trial, as many as six joints have, chosen among 9 and 18 on takes of
-Bandai, CMU and `data_synth`: with those of one joint the weights depend on which it is."""
+"""Columns of the trial for columns without a known value, as many as six joints have, chosen among
+9, 18 and 30 on takes of Bandai, CMU and `data_synth`: with those of one joint the weights depend on
+which it is."""
 LEAST_TRIAL_COLUMNS = 6
 """With fewer columns left out there are no weights: the last candidate is taken."""
 MOST_MOVES = 12
@@ -105,10 +113,17 @@ def complete_weighted(
         trial = candidates_of(np.where(remaining, values, 0.0), remaining, project, context)
         return (trial - values)[:, left_out]
 
-    left_out = leave_out(known, rng)
-    if np.count_nonzero(left_out) >= LEAST_LEFT_OUT:
-        distances = distances_to_nearest(known & ~left_out)[left_out]
-        weights = weigh(errors_of(left_out), distances)
+    errors: list[np.ndarray] = []
+    distances: list[np.ndarray] = []
+    for _ in range(MOST_TRIALS):
+        left_out = leave_out(known, rng)
+        if left_out.any():
+            errors.append(errors_of(left_out))
+            distances.append(distances_to_nearest(known & ~left_out)[left_out])
+        if sum(map(len, distances)) >= TRIAL_VALUES:
+            break
+    if sum(map(len, distances)) >= LEAST_LEFT_OUT:
+        weights = weigh(np.concatenate(errors, axis=1), np.concatenate(distances))
         of_value = weights[:, classify(distances_to_nearest(known))]
         blended[:, has_values] = np.sum(of_value * candidates, axis=0)[:, has_values]
     columns = leave_out_columns(has_values, rng)
@@ -132,26 +147,32 @@ def candidates_of(
     """The candidates of the module's text, (5, T, C), or fewer without a network or a context."""
     curves = fit_curves(x, known)
     variances = gap_variances(known, curves.lengths)
-    start = curves.values
-    candidates = [start, refine(x, known, start, variances, CURVE_PREDICTIONS)]
+    candidates = [curves.values, refine(x, known, curves.values, variances)]
     if context is not None:
-        candidates.extend(context.complete(x, known))
+        of_training, of_another = context.estimate(x, known)
+        missed = fit_curves(x - of_training, known, [MISSED_LENGTH]).values
+        candidates.append(np.where(known, x, of_training + missed))
+        candidates.append(refine(x, known, of_another, variances))
     if project is not None:
-        by_network = complete(x[None], known[None], project, start=start[None])[0]
-        candidates.append(refine(x, known, by_network, variances, NETWORK_PREDICTIONS))
+        by_network = complete(x[None], known[None], project, start=curves.values[None])[0]
+        candidates.append(refine(x, known, by_network, variances))
     return np.stack(candidates)
 
 
 def refine(
-    x: np.ndarray, known: np.ndarray, start: np.ndarray, variances: np.ndarray, predictions: int
+    x: np.ndarray, known: np.ndarray, start: np.ndarray, variances: np.ndarray
 ) -> np.ndarray:
-    """A completed motion (T, C), refined by what the values of its frames say about one another."""
+    """A completed motion (T, C), refined by what the values of its frames say about one another.
+
+    A column without a known value stays as it is.
+    """
 
     def predict(x_n: np.ndarray, _averaged: bool) -> np.ndarray:
         return predict_from_others(x_n[0])[None]
 
-    predicted = complete(x[None], known[None], predict, interpolate_gaps, start[None], predictions)
-    return condition_frames(predicted[0], known, variances)
+    predicted = complete(x[None], known[None], predict, interpolate_gaps, start[None], PREDICTIONS)
+    refined = condition_frames(predicted[0], known, variances)
+    return np.where(known.any(axis=0), refined, start)
 
 
 def leave_out(known: np.ndarray, rng: np.random.Generator) -> np.ndarray:

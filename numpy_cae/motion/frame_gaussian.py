@@ -90,7 +90,7 @@ def condition_frames(x: np.ndarray, known: np.ndarray, variances: np.ndarray) ->
     shares = np.where(known, KNOWN_VARIANCE, shared * variances)
     conditioned = x
     left_over = np.zeros((x.shape[1], x.shape[1]))
-    for _ in range(ESTIMATES):
+    for number in range(1, ESTIMATES + 1):
         mean = conditioned.mean(axis=0)
         centred = conditioned - mean
         covariance = _with_ridge(centred.T @ centred / len(x) + left_over)
@@ -107,9 +107,13 @@ def condition_frames(x: np.ndarray, known: np.ndarray, variances: np.ndarray) ->
             to_others -= (x[of_some] - mean[some]) @ precision[np.ix_(some, some)]
             right = certainty * (x[of_some] - mean[some]) - to_others
             inverse = precision[np.ix_(some, some)] + certainty[:, :, None] * np.eye(len(some))
-            posterior = np.linalg.inv(inverse)
-            left_over[np.ix_(some, some)] += posterior.sum(axis=0) / len(x)
-            estimate = mean[some] + (posterior @ right[..., None])[..., 0]
+            if number < ESTIMATES:
+                posterior = np.linalg.inv(inverse)
+                left_over[np.ix_(some, some)] += posterior.sum(axis=0) / len(x)
+                offset = posterior @ right[..., None]
+            else:
+                offset = np.linalg.solve(inverse, right[..., None])
+            estimate = mean[some] + offset[..., 0]
             conditioned[of_some] = np.where(known[of_some], x[of_some], estimate)
     return conditioned
 

@@ -31,6 +31,7 @@ Hartikainen and Särkkä, "Kalman filtering and smoothing solutions to temporal 
 regression models", 2010, for the states.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -38,7 +39,7 @@ import numpy as np
 from numpy_cae.motion.masks import distances_to_known
 
 LENGTHS = (2.5, 5.0, 10.0, 20.0, 40.0)
-"""The lengths ℓ (frames) from which the likelihood chooses."""
+"""The lengths ℓ (frames) from which the likelihood chooses by default."""
 NOISE = 1e-4
 """ν of the module's equation, a share of σ²."""
 _STATES = 3
@@ -59,7 +60,7 @@ class _Chain(NamedTuple):
     log_determinant: float
 
 
-def fit_curves(x: np.ndarray, known: np.ndarray) -> Curves:
+def fit_curves(x: np.ndarray, known: np.ndarray, lengths: Sequence[float] = LENGTHS) -> Curves:
     """The curve through the known values of each column, by the module's equation.
 
     Parameters
@@ -67,6 +68,8 @@ def fit_curves(x: np.ndarray, known: np.ndarray) -> Curves:
     x : (T, C) array of float
         T at least 1. Values where they are unknown are ignored.
     known : (T, C) array of bool
+    lengths : sequence of float
+        The lengths ℓ (frames) from which the likelihood chooses, increasing.
 
     Returns
     -------
@@ -85,8 +88,8 @@ def fit_curves(x: np.ndarray, known: np.ndarray) -> Curves:
     [20.] 0.018
     """
     values = np.where(known, x, 0.0).astype(np.float64)
-    lengths = np.full(values.shape[1], LENGTHS[0])
-    chains = {length: _chain_of(length, len(values)) for length in LENGTHS}
+    chosen = np.full(values.shape[1], lengths[0])
+    chains = {length: _chain_of(length, len(values)) for length in lengths}
     for column in np.flatnonzero(known.any(axis=0) & ~known.all(axis=0)):
         is_known = known[:, column]
         mean = values[is_known, column].mean()
@@ -99,9 +102,9 @@ def fit_curves(x: np.ndarray, known: np.ndarray) -> Curves:
                 if cost < least:
                     least = cost
                     best_curve = curve
-                    lengths[column] = length
+                    chosen[column] = length
         values[:, column] = np.where(is_known, values[:, column], mean + best_curve)
-    return Curves(values, lengths)
+    return Curves(values, chosen)
 
 
 def gap_variances(known: np.ndarray, lengths: np.ndarray) -> np.ndarray:
@@ -137,14 +140,18 @@ def matern(distance: np.ndarray, length: np.ndarray | float) -> np.ndarray:
 
 def _solve(chain: _Chain, y: np.ndarray, is_known: np.ndarray) -> tuple[np.ndarray, float]:
     """The curve f (T,), and what ℓ makes smallest; y is zero where it is unknown."""
-    from scipy.linalg import cho_solve_banded, cholesky_banded  # slow to import
+    from scipy.linalg.lapack import dpbsv  # slow to import
 
-    band = chain.band.copy()
+    band = chain.band.copy(order="F")
     band[-1, ::_STATES] += is_known / NOISE
     right = np.zeros(band.shape[1])
     right[::_STATES] = y / NOISE
-    factor = cholesky_banded(band, check_finite=False)
-    curve = cho_solve_banded((factor, False), right, check_finite=False)[::_STATES]
+    # The banded Cholesky factor of M, and M⁻¹ Hᵀ y / ν. `scipy.linalg.solveh_banded` checks its
+    # arguments for longer than this takes, and does not return the factor.
+    factor, states, info = dpbsv(band, right, overwrite_ab=True, overwrite_b=True)
+    if info:
+        raise np.linalg.LinAlgError("M is not positive definite")
+    curve = states[::_STATES]
     count = np.count_nonzero(is_known)
     quadratic = max(y @ (y - curve) / NOISE, np.finfo(float).tiny)
     log_determinant = _log_determinant(factor) - chain.log_determinant + count * np.log(NOISE)

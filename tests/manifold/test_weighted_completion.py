@@ -8,15 +8,18 @@ from numpy_cae.manifold.probabilistic_pca import ProbabilisticPCA
 from numpy_cae.manifold.weighted_completion import (
     CLASSES,
     LEFT_OUT,
+    MOST_TRIALS,
     NEAR,
     OTHER_CLASSES,
     TRIAL_COLUMNS,
+    TRIAL_VALUES,
     candidates_of,
     classify,
     complete_weighted,
     leave_out,
     leave_out_columns,
     minimise_on_simplex,
+    refine,
     weigh,
 )
 from numpy_cae.training import Windows
@@ -78,6 +81,48 @@ def test_a_network_that_knows_nothing_costs_little(share):
     completed = complete_weighted(x, known, project_nothing)
     assert np.sqrt(np.mean((completed - x)[~known] ** 2)) < 1.2 * errors[1]
     assert errors[1] < 0.5 * errors[0]
+
+
+@pytest.mark.parametrize(("frames", "trials"), [(60, MOST_TRIALS), (3000, 1)])
+def test_a_short_motion_has_more_trials(frames, trials, monkeypatch):
+    drawn = []
+
+    def count(*arguments):
+        drawn.append(leave_out(*arguments))
+        return drawn[-1]
+
+    monkeypatch.setattr(weighted_completion, "leave_out", count)
+    x = draw_motion(frames)
+    known = np.random.default_rng(0).random(x.shape) < 0.5
+    complete_weighted(x, known, None)
+    assert len(drawn) == trials
+    assert (np.count_nonzero(drawn) >= TRIAL_VALUES) == (trials < MOST_TRIALS)
+
+
+def test_a_column_without_a_known_value_is_not_refined():
+    x = draw_motion()
+    known = np.random.default_rng(0).random(x.shape) < 0.5
+    known[:, 5] = False
+    start = np.where(known, x, 0.1)
+    refined = refine(np.where(known, x, 0.0), known, start, np.where(known, 0.0, 0.5))
+    np.testing.assert_array_equal(refined[:, 5], start[:, 5])
+    np.testing.assert_array_equal(refined[known], x[known])
+    assert np.abs(refined - x)[:, :5].mean() < 0.5 * np.abs(start - x)[:, :5].mean()
+
+
+def test_what_the_principal_components_miss_is_added():
+    """At every second value known, of motions that the components leave half of."""
+    frames = draw_motion(400)
+    windows = Windows(frames[:300], np.arange(0, 261, 40), 40)
+    context = ProbabilisticPCA.fit(windows, np.ones(300, bool))
+    half = ProbabilisticPCA(context.mean, 0.1 * context.axes, 10.0)
+    known = np.random.default_rng(0).random((100, 8)) < 0.5
+    x = np.where(known, frames[300:], 0.0)
+    of_training = half.estimate(x, known)[0]
+    candidate = candidates_of(x, known, None, half)[2]
+    np.testing.assert_array_equal(candidate[known], x[known])
+    off = np.abs(candidate - frames[300:])[~known].mean()
+    assert off < 0.2 * np.abs(of_training - frames[300:])[~known].mean()
 
 
 def test_about_a_tenth_of_single_values_is_left_out():

@@ -86,16 +86,27 @@ def test_equal_known_values_give_a_constant_curve():
     np.testing.assert_allclose(fit_curves(np.full((20, 1), 7.25), known).values, 7.25)
 
 
+def test_lengths_are_chosen_among_those_given():
+    x, known = draw_columns(40, 0.5)
+    assert set(fit_curves(x, known, [5.0, 10.0]).lengths) <= {5.0, 10.0}
+    assert set(fit_curves(x, known, [7.5]).lengths) == {7.5}
+
+
 def test_work_is_linear_in_the_frames(monkeypatch):
     """All work on frames is in banded matrices of six rows and three columns a frame."""
     sizes = []
-    factorise = scipy.linalg.cholesky_banded
 
-    def count(band, **options):
-        sizes.append(band.shape)
-        return factorise(band, **options)
+    def count_calls_of(module, name):
+        called = getattr(module, name)
 
-    monkeypatch.setattr(scipy.linalg, "cholesky_banded", count)
+        def count(band, *arguments, **options):
+            sizes.append(band.shape)
+            return called(band, *arguments, **options)
+
+        monkeypatch.setattr(module, name, count)
+
+    count_calls_of(scipy.linalg, "cholesky_banded")
+    count_calls_of(scipy.linalg.lapack, "dpbsv")
     counts = []
     for frames in (50, 500):
         sizes.clear()
