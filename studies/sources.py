@@ -3,13 +3,13 @@ source: values removed with p = 0.5, 0.8 and 0.9, by the network and by its oppo
 
 A source is a folder: one capture system, one rig, one set of people. Every method learns from the
 same takes: those of the other sources, or four fifths of those of the source itself. Errors are
-root mean squares of a joint coordinate in at most 60 windows of the takes that are left, evenly
-spaced: the mean over three seeds of the values removed and, after ±, half of the difference between
-the largest and the smallest. Networks are those of recipe fast, trained once. Methods are grouped
-by what they are given, as in `numpy_cae.evaluation.tables`: the zeros as they are or, from
-"mask:" on, which values are missing. PCA has the number of axes that is best on the windows it is
-tested on, which favours PCA; the linear map is fitted for each p. The ridge of the Gaussian is
-chosen on takes left out where later takes of its own source are repaired; for another source it is
+root mean squares of a joint coordinate in at most 24 windows of the takes that are left, evenly
+spaced: the mean over two draws of the values removed and, after ±, half of their difference.
+Networks are those of recipe fast, trained once. Methods are grouped by what they are given, as in
+`numpy_cae.evaluation.tables`: the zeros as they are or, from "mask:" on, which values are missing.
+PCA has the number of axes that is best on the windows it is tested on, which favours PCA; the
+linear map is fitted for each p. The ridge of the Gaussian is chosen on takes left out where later
+takes of its own source are repaired; for another source it is
 `numpy_cae.evaluation.baselines.RIDGE`, chosen on sources left out.
 
     python -m studies sources --data bandai cmu/asfamc motions
@@ -27,13 +27,14 @@ from numpy_cae.manifold import learn_manifold
 from numpy_cae.mocap import find_motion_files
 from numpy_cae.mocap.bodies import read_body
 from numpy_cae.training import recipe
-from studies.repair_sweep import WINDOWS, Errors, sweep
+from studies.repair_sweep import Errors, sweep
 from studies.shared.charts import draw_errors_by_share
 from studies.shared.material import read_takes
 from studies.shared.result import Claim, Picture, Result, Table
 
 PS = (0.5, 0.8, 0.9)
-SEEDS = 3
+WINDOWS = 24
+SEEDS = 2
 FIFTH = 5
 MOST = 0.65
 """Completion should leave at most this share of the error of PCHIP."""
