@@ -14,8 +14,9 @@ processor time, and --papers names one. --quick has fewer of all: one network of
 one seed.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -47,6 +48,8 @@ STUDIES: dict[str, dict[str, Any]] = {
     "comparison": {},
 }
 """Studies of a manifold, in the order of holden2015, and their own arguments."""
+WITH_MOTION = ("kinds_of_motion", "repair_sweep")
+"""Those of which much needs no network: `measure_motion` is run once, `judge` with each network."""
 SMALL_STUDIES = ("training_choices", "depth", "scaling")
 """Studies that train smaller networks themselves."""
 RATE = 30.0
@@ -161,8 +164,9 @@ def judge_holden2015(
         if material is None:
             material = make_material(Path(folder), MINUTES[quick], seed)
         judged: list[JudgedClaim] = []
-        for name, networks in networks_to_judge(material, seed, trainer, network, quick, seeds):
-            judged += judge_networks(name, networks, material, notes)
+        named = dict(networks_to_judge(material, seed, trainer, network, quick, seeds))
+        for study in STUDIES:
+            judged += judge_networks(study, named, material, notes)
         judged = keep_once(judged)
         judged += judge_small_networks(material, seed, trainer, quick, notes)
         if not has_press_ups(material):
@@ -246,28 +250,40 @@ def networks_to_judge(
 
 
 def judge_networks(
-    name: str, networks: Sequence[MotionManifold], material: Material, notes: list[str]
+    study: str,
+    named: Mapping[str, Sequence[MotionManifold]],
+    material: Material,
+    notes: list[str],
 ) -> list[JudgedClaim]:
-    """The claims of all studies of a manifold, of the networks of all seeds."""
+    """The claims of a study of a manifold, of each network by name, with those of all its seeds."""
+    first, *_ = next(iter(named.values()))
+    run_study = study_of_networks(study, first, material)
     judged = []
-    for study, arguments in STUDIES.items():
-        run_study = import_module(f"studies.{study}").run
+    for name, networks in named.items():
         of_networks = []
         for number, manifold in enumerate(networks):
             note(f"{study}, {name}, network {number + 1} of {len(networks)}")
-            claims = run_if_possible(
-                run_study,
-                f"{study}, {name}",
-                notes,
-                manifold=manifold,
-                material=material,
-                **arguments,
-            )
+            claims = run_if_possible(run_study, f"{study}, {name}", notes, manifold=manifold)
             if claims:
                 of_networks.append(claims)
         for of_claim in zip(*of_networks, strict=True):
             judged.append(JudgedClaim(name, of_claim))
     return judged
+
+
+def study_of_networks(
+    study: str, first: MotionManifold, material: Material
+) -> Callable[..., Result]:
+    """The study of this material with its own arguments, as a function of the manifold.
+
+    What needs no network is measured once, with the features of the first one: all networks that
+    are judged together learned from the same takes.
+    """
+    module = import_module(f"studies.{study}")
+    if study not in WITH_MOTION:
+        return partial(module.run, material=material, **STUDIES[study])
+    measure_once = cache(partial(module.measure_motion, first, material, **STUDIES[study]))
+    return lambda manifold: module.judge(manifold, material, measure_once())
 
 
 def run_if_possible(

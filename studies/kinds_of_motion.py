@@ -54,6 +54,11 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
 
     Raises ValueError where no kind has takes for training and for testing. The seed is not used.
     """
+    return judge(manifold, material, measure_motion(manifold, material))
+
+
+def measure_motion(manifold: MotionManifold, material: Material) -> "MeasuredMotion":
+    """Everything that needs no network: of the manifold only its features and its size."""
     used = material.labelled("kinds_of_motion")
     training = Kinds.of(
         used.training, clips_of(manifold, [take.positions for take in used.training])
@@ -65,20 +70,85 @@ def run(manifold: MotionManifold, material: Material, seed: int = 0) -> Result:
     training = training.pick(kinds)
     testing = testing.pick(kinds)
     hidden = manifold.network.encode(testing.clips.x[:1]).size
-    parts = []
+    gait = gait_of(kinds)
+    by_pca = []
     for name, rows in {FRAMES: rows_of_frames, WINDOWS: rows_of_windows}.items():
         numbers = hidden
         fewest = min(training.counts().values()) - 1
         if name == FRAMES:
             numbers = min(hidden // manifold.window, testing.clips.x.shape[-1])
             fewest = numbers
-        parts.append(_compare(name, rows, training, testing, numbers, fewest))
-        gait = [kind for kind in kinds if GAIT in kind]
+        of_all = PCA.fit(rows(training.clips))
+        of_gait = None
         if gait:
-            parts.append(_gait(name, rows, training.pick(gait), testing.pick(gait), numbers))
-        parts.append(_subspace(name, rows, training, testing))
-    parts.append(_actions([*used.training, *used.testing]))
-    return combined("PCA on one kind of motion and on many", parts)
+            of_gait = _gait(name, rows, training.pick(gait), testing.pick(gait), numbers)
+        by_pca.append(
+            MeasuredPCA(
+                _project(name, rows, of_all, training, testing, numbers, fewest),
+                of_gait,
+                _subspace(name, of_all, testing),
+            )
+        )
+    return MeasuredMotion(kinds, by_pca, _actions([*used.training, *used.testing]))
+
+
+def judge(manifold: MotionManifold, material: Material, motion: "MeasuredMotion") -> Result:
+    """What was measured of the motion of this material, beside the projection by the network."""
+    used = material.labelled("kinds_of_motion")
+    testing = Kinds.of(used.testing, testing_of(manifold, used)[0]).pick(motion.kinds)
+    x = apply_to_real_frames(manifold.project_windows, testing.clips.real, testing.clips.x)
+    gait = gait_of(motion.kinds)
+    parts = []
+    for by_pca in motion.by_pca:
+        parts.append(_compare(by_pca.projection, testing.clips.squares_by_take(x)))
+        if by_pca.gait:
+            walks = testing.pick(gait).clips
+            of_walks = x[np.isin(testing.kinds, gait)]
+            parts.append(_compare_gait(by_pca.gait, walks.squares_by_take(of_walks)))
+        parts.append(by_pca.subspace)
+    return combined("PCA on one kind of motion and on many", [*parts, motion.actions])
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """The squared errors of the test takes by PCA, with as many axes as each kind has for itself,
+    and with at most as many as the network has numbers."""
+
+    name: str
+    axes: int
+    most: int
+    numbers: int
+    squares: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Gait:
+    """The squared errors of the walks at their mean pose and by PCA of walks, with most axes, and
+    the fewest axes that are enough."""
+
+    name: str
+    most: int
+    least: int | None
+    squares: np.ndarray
+    at_mean: np.ndarray
+
+
+@dataclass(frozen=True)
+class MeasuredPCA:
+    """What was measured with PCA on frames or on windows; without walks there is no gait."""
+
+    projection: Projection
+    gait: Gait | None
+    subspace: Result
+
+
+@dataclass(frozen=True)
+class MeasuredMotion:
+    """What was measured without a network, of these kinds."""
+
+    kinds: list[str]
+    by_pca: list[MeasuredPCA]
+    actions: Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +176,11 @@ class Kinds:
         return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
 
 
+def gait_of(kinds: Sequence[str]) -> list[str]:
+    """The kinds that are gait."""
+    return [kind for kind in kinds if GAIT in kind]
+
+
 def rows_of_frames(clips: Clips) -> np.ndarray:
     """The frames that count, (M, 63)."""
     return clips.x[clips.real]
@@ -116,24 +191,34 @@ def rows_of_windows(clips: Clips) -> np.ndarray:
     return clips.x.reshape(len(clips), -1)
 
 
-def _compare(
-    name: str, rows: Rows, training: Kinds, testing: Kinds, numbers: int, fewest: int
-) -> Result:
+def _project(
+    name: str,
+    rows: Rows,
+    of_all: PCA,
+    training: Kinds,
+    testing: Kinds,
+    numbers: int,
+    fewest: int,
+) -> Projection:
     """PCA of all kinds, with as many axes as each kind has for itself, and with at most as many
     numbers as the network has."""
     axes = min(numbers, max(fewest, 1))
-    of_all = PCA.fit(rows(training.clips))
     projected = {
         ALL: of_all.project(testing.clips.x, axes),
         OWN: _project_by_kind(rows, training, testing, axes),
         ALL_AXES: of_all.project(testing.clips.x, numbers),
-        NETWORK: _project_by_network(testing.clips),
     }
     squares = {of: testing.clips.squares_by_take(x) for of, x in projected.items()}
-    most = min(numbers, len(of_all.axes))
+    return Projection(name, axes, min(numbers, len(of_all.axes)), numbers, squares)
+
+
+def _compare(by_pca: Projection, by_network: np.ndarray) -> Result:
+    """PCA of all kinds beside PCA of each kind and beside the network."""
+    squares = by_pca.squares | {NETWORK: by_network}
+    axes, most = by_pca.axes, by_pca.most
     table_rows: list[list[object]] = []
-    for of, used in {ALL: axes, OWN: axes, ALL_AXES: most, NETWORK: numbers}.items():
-        label = of if of == NETWORK else f"{name}, {of}"
+    for of, used in {ALL: axes, OWN: axes, ALL_AXES: most, NETWORK: by_pca.numbers}.items():
+        label = of if of == NETWORK else f"{by_pca.name}, {of}"
         table_rows.append([label, used, root_mean_square(squares[of])])
     to_own = ratio_of_errors(squares[ALL], squares[OWN])
     to_network = ratio_of_errors(squares[ALL_AXES], squares[NETWORK])
@@ -143,15 +228,16 @@ def _compare(
         all_of(to_own.above(1), to_network.above(1)),
         f"{axes} axes {errors[ALL]}, {to_own:.2f} of the error with one for each kind; {most} axes "
         f"{errors[ALL_AXES]}, {to_network:.2f} of the network's;",
-        name,
-        f"one for each kind {errors[OWN]}; the network, {numbers} numbers, {errors[NETWORK]}.",
+        by_pca.name,
+        f"one for each kind {errors[OWN]}; the network, {by_pca.numbers} numbers, "
+        f"{errors[NETWORK]}.",
     )
     header = ["projection of all kinds", "numbers", "error, cm"]
     return Result("", [Table("", header, table_rows)], [claim])
 
 
-def _gait(name: str, rows: Rows, training: Kinds, testing: Kinds, numbers: int) -> Result:
-    """What PCA of walks leaves of the error of their mean pose."""
+def _gait(name: str, rows: Rows, training: Kinds, testing: Kinds, numbers: int) -> Gait:
+    """PCA of walks, and their mean pose."""
     fitted = PCA.fit(rows(training.clips))
     mean_pose = rows_of_frames(training.clips).mean(axis=0)
     at_mean = testing.clips.squares_by_take(np.broadcast_to(mean_pose, testing.clips.x.shape))
@@ -160,10 +246,6 @@ def _gait(name: str, rows: Rows, training: Kinds, testing: Kinds, numbers: int) 
         return testing.clips.squares_by_take(fitted.project(testing.clips.x, size))
 
     most = min(numbers, len(fitted.axes))
-    left = ratio_of_errors(squares_of(most), at_mean)
-    by_network = ratio_of_errors(
-        testing.clips.squares_by_take(_project_by_network(testing.clips)), at_mean
-    )
     least = None
     for size in SIZES:
         if size > most:
@@ -171,23 +253,29 @@ def _gait(name: str, rows: Rows, training: Kinds, testing: Kinds, numbers: int) 
         if root_mean_square(squares_of(size)) <= EFFECTIVE * root_mean_square(at_mean):
             least = size
             break
-    enough = f"{least} axes are enough" if least else "no number of axes is enough"
+    return Gait(name, most, least, squares_of(most), at_mean)
+
+
+def _compare_gait(gait: Gait, by_network: np.ndarray) -> Result:
+    """What PCA of walks, and the network, leave of the error of their mean pose."""
+    left = ratio_of_errors(gait.squares, gait.at_mean)
+    left_by_network = ratio_of_errors(by_network, gait.at_mean)
+    enough = f"{gait.least} axes are enough" if gait.least else "no number of axes is enough"
     claim = Claim(
         "pca_gait",
         left.at_most(EFFECTIVE),
-        f"{left:.3f} of the error of the mean pose is left with {most} axes, {enough};",
-        name,
-        f"the network {by_network:.3f}.",
+        f"{left:.3f} of the error of the mean pose is left with {gait.most} axes, {enough};",
+        gait.name,
+        f"the network {left_by_network:.3f}.",
     )
-    row = [f"{name} of walks", most, root_mean_square(squares_of(most))]
-    at = ["mean pose of walks", 0, root_mean_square(at_mean)]
+    row = [f"{gait.name} of walks", gait.most, root_mean_square(gait.squares)]
+    at = ["mean pose of walks", 0, root_mean_square(gait.at_mean)]
     header = ["projection of walks", "numbers", "error, cm"]
     return Result("", [Table("", header, [row, at])], [claim])
 
 
-def _subspace(name: str, rows: Rows, training: Kinds, testing: Kinds) -> Result:
+def _subspace(name: str, fitted: PCA, testing: Kinds) -> Result:
     """What a tenth of the dimensions, as principal components, leaves of the error."""
-    fitted = PCA.fit(rows(training.clips))
     dimensions = len(fitted.mean)
     axes = min(max(int(SMALL * dimensions), 1), len(fitted.axes))
     x = testing.clips.x
@@ -220,7 +308,3 @@ def _project_by_kind(rows: Rows, training: Kinds, testing: Kinds, axes: int) -> 
         chosen = testing.kinds == kind
         projected[chosen] = of_kind.project(testing.clips.x[chosen], axes)
     return projected
-
-
-def _project_by_network(clips: Clips) -> np.ndarray:
-    return apply_to_real_frames(clips.manifold.project_windows, clips.real, clips.x)

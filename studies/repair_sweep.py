@@ -14,7 +14,7 @@ each method, moving.
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,55 +53,92 @@ def run(
 ) -> Result:
     """Remove shares of the values of test windows, drawn from the seed, and repair them with every
     method."""
+    return judge(manifold, material, measure_motion(manifold, material, seed, shares))
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredMotion:
+    """What was measured without a network: the fitted baselines, and for each share of removed
+    values the squared errors by take of each method."""
+
+    repairs: Repairs
+    squares: dict[float, dict[str, np.ndarray]]
+    seed: int
+
+
+def measure_motion(
+    manifold: MotionManifold, material: Material, seed: int = 0, shares: tuple[float, ...] = PS
+) -> MeasuredMotion:
+    """Everything that needs no network: of the manifold only its features and its context."""
     training = clips_of(manifold, [take.positions for take in material.training])
+    test = testing_of(manifold, material)[0].pick_evenly(WINDOWS)
+    repairs = Repairs(manifold, training)
+    squares = {}
+    for p in shares:
+        damaged = zero_values(test.x, p, np.random.default_rng(seed))
+        simple = repairs.apply_simply(test, damaged, p)
+        with_mask = repairs.apply_with_mask(test, damaged, tables.SIMPLE_WITH_MASK)
+        squares[p] = _squares(test, [*simple, *with_mask])
+        if p == tables.P:
+            squares[p][WITHOUT_NETWORK] = _squares_without_network(manifold, test, damaged)
+    return MeasuredMotion(repairs, squares, seed)
+
+
+def judge(manifold: MotionManifold, material: Material, motion: MeasuredMotion) -> Result:
+    """What was measured without a network, beside the projection and the completion."""
     testing, _ = testing_of(manifold, material)
     test = testing.pick_evenly(WINDOWS)
-    repairs = Repairs(manifold, training)
+    repairs = motion.repairs.of(manifold)
     errors: dict[str, list[float]] = defaultdict(list)
     claims: list[Claim] = []
-    for p in shares:
-        squares = _squares(repairs, test, p, seed)
-        for method, of_takes in squares.items():
-            errors[method].append(root_mean_square(of_takes))
+    for p, squares in motion.squares.items():
+        damaged = zero_values(test.x, p, np.random.default_rng(motion.seed))
+        projected = repairs.project(test, damaged)
+        completed = repairs.apply_with_mask(test, damaged, (tables.COMPLETED,))
+        of_all = squares | _squares(test, [*projected, *completed])
+        for method in tables.METHODS:
+            errors[method].append(root_mean_square(of_all[method]))
         if p == tables.P:
-            squares[WITHOUT_NETWORK] = _squares_without_network(manifold, test, seed)
-            claims = _claims(squares)
+            claims = _claims(of_all)
     rows = [[method, *of_method] for method, of_method in errors.items()]
-    header = ["method", *(f"p = {p}" for p in shares)]
-    drawn = [p for p in shares if p >= tables.P]
+    header = ["method", *(f"p = {p}" for p in motion.squares)]
+    drawn = [p for p in motion.squares if p >= tables.P]
+    window = testing.pick_evenly(1)
     return Result(
         "Repair: values removed with probability p",
         [Table("Error, cm:", header, rows)],
         claims,
-        {f"removed_{p}": _picture(repairs, testing.pick_evenly(1), p, seed) for p in drawn},
+        {f"removed_{p}": _picture(repairs, window, p, motion.seed) for p in drawn},
     )
 
 
-def _squares(repairs: Repairs, test: Clips, p: float, seed: int) -> dict[str, np.ndarray]:
-    """The squared errors of every method by take."""
-    damaged = zero_values(test.x, p, np.random.default_rng(seed))
-    squares = {}
-    for method, _, repaired in repairs.apply(test, damaged, p):
-        squares[method] = test.squares_by_take(repaired)
-    return squares
+def _squares(test: Clips, repaired: Sequence[tuple]) -> dict[str, np.ndarray]:
+    """The squared errors of each method by take, of what `Repairs` yields."""
+    return {method: test.squares_by_take(x) for method, _, x in repaired}
 
 
-def _squares_without_network(manifold: MotionManifold, test: Clips, seed: int) -> np.ndarray:
+def _squares_without_network(
+    manifold: MotionManifold, test: Clips, damaged: np.ndarray
+) -> np.ndarray:
     """The squared errors by take of a completion as the manifold's, without its network."""
-    damaged = zero_values(test.x, tables.P, np.random.default_rng(seed))
-    known = damaged != 0
 
     def complete(x: np.ndarray, known: np.ndarray) -> np.ndarray:
         pairs = zip(x, known, strict=True)
         return np.stack([complete_weighted(*pair, None, manifold.context) for pair in pairs])
 
+    known = damaged != 0
     return test.squares_by_take(tables.apply_to_real_frames(complete, test.real, damaged, known))
 
 
 def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:
     """A window of which values are removed, as each method repairs it, beside the truth."""
     damaged = zero_values(window.x, p, np.random.default_rng(seed))
-    repaired = {method: x for method, _, x in repairs.apply(window, damaged, p)}
+    with_mask = (tables.PCHIP, tables.GAUSSIAN, tables.COMPLETED)
+    repaired = {tables.DAMAGED: damaged}
+    for method, _, x in repairs.project(window, damaged):
+        repaired[method] = x
+    for method, _, x in repairs.apply_with_mask(window, damaged, with_mask):
+        repaired[method] = x
     denormalise = repairs.manifold.denormalise
     motions = {}
     for method, colour in DRAWN.items():

@@ -14,6 +14,7 @@ and the first frame held. Errors are mean squares of standardised numbers (the m
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -186,6 +187,7 @@ COMPLETED = "mask: completed by the manifold"
 SIMPLE = (PRINCIPAL, LINEAR)
 SIMPLE_WITH_MASK = (LINES, PCHIP, SPLINE, PROCESS, GAUSSIAN, DYNAMICS)
 """SIMPLE, SIMPLE_WITH_MASK: the opponents of the network, and of the completion."""
+METHODS = (DAMAGED, MEAN, *SIMPLE, NETWORK, AVERAGED, *SIMPLE_WITH_MASK, COMPLETED)
 NOTE = (
     "Errors are of the pose in the body's own frame, without path and heading. The share is "
     "what is left of the damage. PCA has the number of axes that is best for the repair of the "
@@ -249,14 +251,25 @@ class Repairs:
         takes = [x[real] for x, real in zip(fitted.x, fitted.real, strict=True)]
         self.dynamics = PoseDynamics(takes)
 
+    def of(self, manifold: MotionManifold) -> Repairs:
+        """The same baselines beside another manifold that learned from the same takes."""
+        repairs = copy(self)
+        repairs.manifold = manifold
+        return repairs
+
     def apply(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
-        """The name of each method, and what it makes of the undamaged windows and of the damaged
-        ones, in which zeros, a share p of the values, are missing."""
+        """The name of each of `METHODS`, and what it makes of the undamaged windows and of the
+        damaged ones, in which zeros, a share p of the values, are missing."""
         yield from self.apply_to_zeros(test, damaged, p)
         yield from self.apply_with_mask(test, damaged, tuple(self.methods_with_mask()))
 
     def apply_to_zeros(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
         """The methods of `apply` that are given the zeros as they are."""
+        yield from self.apply_simply(test, damaged, p)
+        yield from self.project(test, damaged)
+
+    def apply_simply(self, test: Clips, damaged: np.ndarray, p: float) -> Iterator[tuple]:
+        """The methods of `apply_to_zeros` without a network."""
         x = test.x
         yield DAMAGED, x, damaged
         yield MEAN, 0 * x, 0 * x
@@ -265,6 +278,10 @@ class Repairs:
         yield PRINCIPAL, self.pca.project(x, size), self.pca.project(divided, size)
         a = self.gaussian.linear_map(p)
         yield LINEAR, apply_linear_map((1 - p) * x, a), apply_linear_map(damaged, a)
+
+    def project(self, test: Clips, damaged: np.ndarray) -> Iterator[tuple]:
+        """The methods of `apply_to_zeros` with the network."""
+        x = test.x
         for name, average in ((NETWORK, False), (AVERAGED, True)):
             project = partial(self.manifold.project_windows, average_shifts=average)
             projected = apply_to_real_frames(project, test.real, x)

@@ -1,11 +1,13 @@
 """The table of statements, and the studies whose right answer is known."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 
 from numpy_cae.training import Schedule, Stage
 from studies import claims
-from studies.comparison import EQUATION_4, RAW_EXTREMES
+from studies.comparison import EQUATION_4, RAW_EXTREMES, untrained
 from studies.shared.material import Material
 from studies.shared.result import STATEMENTS, Claim, text
 from studies.shared.trained import Trainer
@@ -47,10 +49,35 @@ def test_a_study_that_cannot_be_run_is_in_the_note(small_manifold, labelled, mon
     monkeypatch.setattr(claims, "STUDIES", {"interpolation": {}})
     notes = []
     without_testing = Material(labelled.training, [])
-    networks = [small_manifold, small_manifold]
-    judged = claims.judge_networks("best", networks, without_testing, notes)
+    named = {"best": [small_manifold, small_manifold]}
+    judged = claims.judge_networks("interpolation", named, without_testing, notes)
     assert judged == [] and len(notes) == 1
     assert "interpolation, best: could not be run" in notes[0]
+
+
+@pytest.mark.parametrize(
+    ("study", "own"), [("kinds_of_motion", {}), ("repair_sweep", {"shares": (0.5,)})]
+)
+def test_what_needs_no_network_is_measured_once(
+    study, own, small, small_manifold, labelled, monkeypatch
+):
+    module = import_module(f"studies.{study}")
+    measured = []
+    measure = module.measure_motion
+
+    def measure_and_count(*arguments, **named_arguments):
+        measured.append(study)
+        return measure(*arguments, **named_arguments)
+
+    initial = untrained(small_manifold, 0)
+    networks = (small_manifold, initial)
+    expected = [module.run(network, labelled, **own).claims for network in networks]
+    monkeypatch.setattr(claims, "STUDIES", {study: own})
+    monkeypatch.setattr(module, "measure_motion", measure_and_count)
+    named = {"best": [small_manifold], "untrained": [initial]}
+    of_both = claims.judge_networks(study, named, labelled, [])
+    assert measured == [study]
+    assert [claim.of_seeds[0] for claim in of_both] == [*expected[0], *expected[1]]
 
 
 def test_a_claim_without_a_network_is_listed_once():
