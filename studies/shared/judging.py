@@ -51,30 +51,26 @@ class Interval:
         return negate(self.at_most(bound))
 
 
-def bootstrap(figure: Callable[..., float], *columns: np.ndarray, seed: int = 0) -> Interval:
-    """A figure of numbers of takes, columns with a row for each take, and its interval."""
+def bootstrap(figure: Callable[..., np.ndarray], *columns: np.ndarray, seed: int = 0) -> Interval:
+    """A figure of numbers of takes, columns with a row for each take, and its interval.
+
+    The figure is computed of all samples together: of columns (samples, takes, …), (samples,).
+    """
     count = len(columns[0])
-    rng = np.random.default_rng(seed)
-    figures = []
-    for _ in range(DRAWS):
-        drawn = rng.integers(count, size=count)
-        figures.append(figure(*(column[drawn] for column in columns)))
-    low, high = np.percentile(figures, COVERED)
-    return Interval(float(figure(*columns)), float(low), float(high))
+    drawn = np.random.default_rng(seed).integers(count, size=(DRAWS, count))
+    low, high = np.percentile(figure(*(column[drawn] for column in columns)), COVERED)
+    (value,) = figure(*(column[None] for column in columns))
+    return Interval(float(value), float(low), float(high))
 
 
 def mean_of(values: np.ndarray) -> Interval:
     """The mean of a number of each take."""
-    return bootstrap(np.mean, np.asarray(values, dtype=np.float64))
+    return bootstrap(_means, np.asarray(values, dtype=np.float64))
 
 
 def ratio_of_means(ours: np.ndarray, theirs: np.ndarray) -> Interval:
     """The mean of a number of each take, divided by the mean of another one of the same takes."""
-
-    def ratio(ours: np.ndarray, theirs: np.ndarray) -> float:
-        return float(ours.mean() / max(theirs.mean(), 1e-12))
-
-    return bootstrap(ratio, np.asarray(ours, float), np.asarray(theirs, float))
+    return bootstrap(_ratios_of_means, np.asarray(ours, float), np.asarray(theirs, float))
 
 
 def ratio_of_samples(ours: np.ndarray, theirs: np.ndarray) -> Interval:
@@ -82,27 +78,41 @@ def ratio_of_samples(ours: np.ndarray, theirs: np.ndarray) -> Interval:
     ours = np.asarray(ours, dtype=np.float64)
     theirs = np.asarray(theirs, dtype=np.float64)
     rng = np.random.default_rng(0)
-    ratios = []
+    drawn = []
+    drawn_of_theirs = []
     for _ in range(DRAWS):
-        above = ours[rng.integers(len(ours), size=len(ours))].mean()
-        below = theirs[rng.integers(len(theirs), size=len(theirs))].mean()
-        ratios.append(above / max(below, 1e-12))
+        drawn.append(rng.integers(len(ours), size=len(ours)))
+        drawn_of_theirs.append(rng.integers(len(theirs), size=len(theirs)))
+    ratios = _ratios_of_means(ours[np.array(drawn)], theirs[np.array(drawn_of_theirs)])
     low, high = np.percentile(ratios, COVERED)
-    return Interval(float(ours.mean() / max(theirs.mean(), 1e-12)), float(low), float(high))
+    (value,) = _ratios_of_means(ours[None], theirs[None])
+    return Interval(float(value), float(low), float(high))
+
+
+def _means(samples: np.ndarray) -> np.ndarray:
+    return samples.mean(axis=1)
+
+
+def _ratios_of_means(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray:
+    return ours.mean(axis=1) / np.maximum(theirs.mean(axis=1), 1e-12)
 
 
 def root_mean_square(squares: np.ndarray) -> float:
     """The root mean square of rows (sum of squares, number of values)."""
-    return float(np.sqrt(squares[:, 0].sum() / squares[:, 1].sum()))
+    return float(_root_mean_squares(squares[None])[0])
+
+
+def _root_mean_squares(squares: np.ndarray) -> np.ndarray:
+    return np.sqrt(squares[..., 0].sum(axis=1) / squares[..., 1].sum(axis=1))
 
 
 def ratio_of_errors(ours: np.ndarray, theirs: np.ndarray) -> Interval:
     """The error of a method divided by that of another one, from `Clips.squares_by_take`."""
 
-    def ratio(ours: np.ndarray, theirs: np.ndarray) -> float:
-        return root_mean_square(ours) / root_mean_square(theirs)
+    def ratios(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray:
+        return _root_mean_squares(ours) / _root_mean_squares(theirs)
 
-    return bootstrap(ratio, ours, theirs)
+    return bootstrap(ratios, ours, theirs)
 
 
 def all_of(*fulfilled: bool | None) -> bool | None:

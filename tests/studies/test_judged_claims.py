@@ -34,7 +34,7 @@ def test_the_error_of_takes_is_that_of_all_their_values():
 
 def test_takes_are_drawn_together():
     numbers = np.arange(10.0)
-    interval = bootstrap(lambda a, b: float(np.sum(a - b)), numbers, numbers)
+    interval = bootstrap(lambda a, b: np.sum(a - b, axis=1), numbers, numbers)
     assert (interval.low, interval.high) == (0, 0)
 
 
