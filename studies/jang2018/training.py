@@ -72,8 +72,8 @@ def train_study(
     points: int = CURVE_POINTS,
     **network,
 ) -> Study:
-    """Train on one action and record the curve of held-out errors, of about so many points; only
-    its start if λ = 0 or with `mmd`.
+    """Train on one action and record the curve of held-out errors, of about so many points; none if
+    λ = 0 or with `mmd`.
 
     With `mmd` the regulariser is the maximum mean discrepancy of the codes from the prior.
     `network` are the arguments of `learn_sequences` that describe the network.
@@ -84,6 +84,8 @@ def train_study(
     manifold.settings = {"action": action.described(), "seed": seed, "schedule": str(schedule)}
     measured = manifold.network
     interval = max(1, schedule.epochs * schedule.steps // points)
+    # Figure 2 needs no curve of a training with another regulariser or none.
+    has_curve = schedule.weight and not mmd
     curve: dict[str, list] = {"steps": [], "error": [], "discrepancy": []}
 
     def measure(step: int) -> None:
@@ -100,11 +102,11 @@ def train_study(
         if report is not None:
             report(state)
         step = state.epoch * state.steps + state.step
-        # Figure 2 needs no curve of a training with another regulariser or none.
-        if schedule.weight and not mmd and step % interval == 0:
+        if has_curve and step % interval == 0:
             measure(step)
 
-    measure(0)
+    if has_curve:
+        measure(0)
     trained = MmdEngine(measured, None) if mmd else measured
     draw = partial(manifold.random_clips, action.training)
     train_sequential(trained, draw, schedule, rng, report_and_measure)
