@@ -11,7 +11,8 @@ with a network that learned press-ups. Networks are kept in the folder of --cach
 that of a file alone. Without --data the takes are synthetic. jang2018 is judged by the studies
 `sequences`, as it is by default, and `sequence_choices`; each paper takes most of an hour of
 processor time, and --papers names one. --quick has fewer of all: one network of `--recipe fast`,
-one seed.
+one seed, few takes and steps; it shows that every statement can be judged, in less than two minutes
+of processor time, and its verdicts say little.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -56,26 +57,32 @@ RATE = 30.0
 SEEDS = 3
 MINUTES = {False: 20.0, True: 4.0}
 """Minutes of the synthetic takes, every fifth of which is measured, and with --quick."""
+PRESS_UP_MINUTES = {False: 20.0, True: 2.0}
+"""Minutes of the synthetic takes with press-ups, and with --quick."""
 PRESS_UPS = ("press_ups", "walk", "confident_walk")
 """Kinds of the takes from which the network of press-ups learns."""
-SEQUENCE_MINUTES = {False: 30.0, True: 1.0}
+SEQUENCE_MINUTES = {False: 30.0, True: 0.5}
 """Minutes of each action of jang2018 to train on, and as many to test on, and with --quick."""
 QUICK_ACTIONS = ("walking", "waiting")
 """Actions of jang2018 with --quick: one that repeats itself and one that does not."""
-QUICK_STEPS = 40
+QUICK_STEPS = 20
 """Steps of training of jang2018 with --quick."""
-QUICK_POINTS = 4
+QUICK_POINTS = 2
 """Points of the curve of a training of jang2018 with --quick."""
-QUICK_REPEATS = 2
+QUICK_REPEATS = 1
 """Measurements of a discrepancy with --quick."""
-QUICK_CHOICES: dict[str, Any] = {"steps": 20, "minutes": 0.5, "names": QUICK_ACTIONS}
+QUICK_CHOICES: dict[str, Any] = {"steps": 10, "minutes": 0.5, "names": QUICK_ACTIONS}
 """Steps, minutes and actions of the choices of jang2018 with --quick."""
 HOLDEN2015 = "holden2015"
 JANG2018 = "jang2018"
 QUICK_EPOCHS = 20
 """Epochs of the network with --quick."""
 QUICK_TAKES = 2
-"""So many test takes are measured with --quick where many small networks are compared."""
+QUICK_FRAMES = 160
+"""So many test takes are measured with --quick, and so many frames of each, a window; but not by
+studies `OF_LABELS`."""
+OF_LABELS = ("kinds_of_motion", "interpolation", "comparison")
+"""Studies that need test takes of several labels."""
 PAPER = "the paper's"
 BEST = "best"
 QUICK = "fast, few epochs"
@@ -166,7 +173,9 @@ def judge_holden2015(
         judged: list[JudgedClaim] = []
         named = dict(networks_to_judge(material, seed, trainer, network, quick, seeds))
         for study in STUDIES:
-            judged += judge_networks(study, named, material, notes)
+            is_few = quick and study not in OF_LABELS
+            measured = few_tests(material) if is_few else material
+            judged += judge_networks(study, named, measured, notes)
         judged = keep_once(judged)
         judged += judge_small_networks(material, seed, trainer, quick, notes)
         if not has_press_ups(material):
@@ -309,11 +318,18 @@ def judge_small_networks(
         note(study)
         arguments: dict[str, Any] = {"material": material, "seed": seed, "trainer": trainer}
         if quick:
-            few = Material(material.training, evenly(material.testing, QUICK_TAKES))
-            arguments |= {"material": few, "epochs": 1, "seeds": 1}
+            arguments |= {"material": few_tests(material), "epochs": 1, "seeds": 1}
         claims = run_if_possible(import_module(f"studies.{study}").run, study, notes, **arguments)
         judged += [JudgedClaim(BOTH, [claim]) for claim in claims]
     return judged
+
+
+def few_tests(material: Material) -> Material:
+    """The material with the first `QUICK_FRAMES` of `QUICK_TAKES` test takes."""
+    testing = []
+    for take in evenly(material.testing, QUICK_TAKES):
+        testing.append(replace(take, positions=take.positions[:QUICK_FRAMES]))
+    return replace(material, testing=testing)
 
 
 def has_press_ups(material: Material) -> bool:
@@ -325,9 +341,12 @@ def judge_press_ups(folder: Path, seed: int, trainer: Trainer, quick: bool) -> l
     """The claims of the interpolation of press-ups and a walk, by a network that learned them from
     synthetic takes."""
     note("interpolation of press-ups")
-    material = make_material(folder, MINUTES[quick], seed, PRESS_UPS)
+    material = make_material(folder, PRESS_UP_MINUTES[quick], seed, PRESS_UPS)
     takes = [take.positions for take in material.training]
-    manifold = trainer.learn(takes, recipe("fast"), seed)
+    schedule = recipe("fast")
+    if quick:
+        schedule = shortened(schedule, QUICK_EPOCHS)
+    manifold = trainer.learn(takes, schedule, seed)
     judged = []
     for claim in interpolation.run(manifold, material).claims:
         if claim.of == interpolation.PRESS_UPS:
