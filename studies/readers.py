@@ -1,7 +1,8 @@
 """How fast BVH is read and written, beside packages of the index that are installed.
 
-Each of some rounds reads a file once with every package in turn, then writes it; the figures are
-medians of processor time. So all packages meet the same load of the machine.
+Each of some rounds reads a file with every package in turn, the files are then written in the same
+way, and the figures are medians of processor time. So all packages meet the same load of the
+machine.
 
     pip install pybvh bvh
     python -m studies readers
@@ -15,11 +16,10 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-import numpy as np
-
 from numpy_cae.mocap import load_motion, write_bvh
 from studies.costs import write_walk
 from studies.shared.result import Result, Table
+from studies.timing.alternately import time_alternately
 
 SECONDS = (300.0, 80 / 30)
 """Lengths of the files (s), 30 frames a second of 31 joints."""
@@ -51,21 +51,12 @@ def _rows(path: Path, out: Path, rounds: int) -> Iterator[list[object]]:
     for package in WRITERS.keys() & readers.keys():
         write = getattr(import_module(package), WRITERS[package])
         writers[package] = partial(write, readers[package](), out)
-    read = _medians(readers, rounds)
-    written = _medians(writers, rounds)
-    for package, seconds in read.items():
+    read = time_alternately(readers, rounds, time.process_time)
+    written = time_alternately(writers, rounds, time.process_time)
+    for package, timing in read.items():
+        seconds = timing.median
         row: list[object] = [megabytes, package, 1e3 * seconds, megabytes / seconds, None, None]
         if package in written:
-            row[4:] = [1e3 * written[package], megabytes / written[package]]
+            seconds = written[package].median
+            row[4:] = [1e3 * seconds, megabytes / seconds]
         yield row
-
-
-def _medians(works: dict[str, Work], rounds: int) -> dict[str, float]:
-    """Processor seconds of each work, the median of the rounds."""
-    seconds: dict[str, list[float]] = {name: [] for name in works}
-    for _ in range(rounds):
-        for name, work in works.items():
-            begun = time.process_time()
-            work()
-            seconds[name].append(time.process_time() - begun)
-    return {name: float(np.median(times)) for name, times in seconds.items()}

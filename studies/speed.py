@@ -12,10 +12,8 @@ these takes, of the sequential one on synthetic walking.
 
 import os
 import platform
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from timeit import repeat
@@ -30,6 +28,7 @@ from studies.shared.material import Material
 from studies.shared.messages import note
 from studies.shared.result import Picture, Result, Table
 from studies.timing import torch_networks as nets
+from studies.timing.alternately import time_alternately
 from studies.timing.time_to_quality import sequences_to_quality, time_to_quality
 
 HIDDEN = (128, 512, 1024)
@@ -191,55 +190,6 @@ def _row(
         low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
         row += [times["theirs"].least / times["ours"].least, f"{low:.2f} to {high:.2f}", middle]
     return row
-
-
-PAUSE_SECONDS = 0.03
-"""The wait before each measurement (s): the threads of OpenMP and BLAS wait actively
-for a while after their work is done, which would slow down the next function."""
-MIN_SECONDS = 0.03
-"""A measurement takes at least this (s); a faster function is called several times."""
-
-
-@dataclass(frozen=True, eq=False)
-class Timing:
-    """The seconds of one call, in each of many rounds."""
-
-    seconds: np.ndarray
-
-    @property
-    def median(self) -> float:
-        """Seconds."""
-        return float(np.median(self.seconds))
-
-    @property
-    def least(self) -> float:
-        """Seconds."""
-        return float(self.seconds.min())
-
-
-def time_alternately(
-    functions: Mapping[str, Callable[[], object]], rounds: int
-) -> dict[str, Timing]:
-    """Time every function once in each round; the result has the same names."""
-    repeats = {name: _repeats(function) for name, function in functions.items()}
-    seconds: dict[str, list[float]] = {name: [] for name in functions}
-    for _ in range(rounds):
-        for name, function in functions.items():
-            time.sleep(PAUSE_SECONDS)
-            function()  # the caches hold the data of the function before
-            start = time.perf_counter()
-            for _ in range(repeats[name]):
-                function()
-            seconds[name].append((time.perf_counter() - start) / repeats[name])
-    return {name: Timing(np.array(rounds)) for name, rounds in seconds.items()}
-
-
-def _repeats(function: Callable[[], object]) -> int:
-    """Calls in one measurement; also a first call, which is slower."""
-    function()
-    start = time.perf_counter()
-    function()
-    return max(1, round(MIN_SECONDS / max(time.perf_counter() - start, 1e-9)))
 
 
 def matrix_product_peak(size: int = 2048, rounds: int = 12) -> float:

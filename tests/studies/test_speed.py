@@ -10,8 +10,8 @@ from numpy_cae.fast.thread_team import is_limited_to_one_blas_thread
 from numpy_cae.models import ConvAutoencoder
 from numpy_cae.training import SEQUENCE_RECIPES, recipe
 from studies import speed
-from studies.speed import Timing, time_alternately
-from studies.timing import time_to_quality
+from studies.timing import alternately, time_to_quality
+from studies.timing.alternately import Timing, time_alternately
 from studies.timing.torch_networks import TorchModel, cases, require_agreement, torch
 
 if torch is not None:
@@ -26,15 +26,15 @@ def small(dtype=np.float32):
     return ConvAutoencoder(filters=(4, 6), taps=5, dtype=dtype)
 
 
-def test_functions_are_timed_alternately_and_a_time_has_a_median_and_a_least(monkeypatch):
+def test_functions_are_timed_alternately_and_a_time_has_a_median_and_a_least():
     now, calls = [0.0], []
 
     def wait(name, seconds):
         calls.append(name)
         now[0] += seconds
 
-    monkeypatch.setattr(speed.time, "perf_counter", lambda: now[0])
-    times = time_alternately({"a": lambda: wait("a", 4.0), "b": lambda: wait("b", 5.0)}, 3)
+    functions = {"a": lambda: wait("a", 4.0), "b": lambda: wait("b", 5.0)}
+    times = time_alternately(functions, 3, lambda: now[0])
     assert "".join(calls).endswith("aabb")
     assert list(times["a"].seconds) == [4.0] * 3 and times["b"].median == 5
     timing = Timing(np.array([1.0, 2.0, 3.0, 4.0, 100.0]))
@@ -64,7 +64,7 @@ def test_different_computations_are_not_timed(monkeypatch):
 
 @needs_torch
 def test_a_ratio_has_its_spread(monkeypatch):
-    monkeypatch.setattr(speed, "MIN_SECONDS", 1e-4)
+    monkeypatch.setattr(alternately, "MIN_SECONDS", 1e-4)
     monkeypatch.setattr(speed, "HIDDEN", (4,))
     row = next(speed.sequence_rows([2], 5, 1))
     assert len(row) == len(speed.HEADER + speed.OF_PYTORCH)
@@ -81,7 +81,7 @@ def test_a_block_of_one_thread_limits_blas():
 @pytest.mark.parametrize("load", [0.1, 3.0])
 def test_the_table_has_a_row_for_each_case(monkeypatch, load):
     monkeypatch.setattr(speed, "ConvAutoencoder", small)
-    monkeypatch.setattr(speed, "MIN_SECONDS", 1e-4)
+    monkeypatch.setattr(alternately, "MIN_SECONDS", 1e-4)
     monkeypatch.setattr(speed, "matrix_product_peak", lambda: 1e11)
     monkeypatch.setattr(speed.nets, "torch", None)
     monkeypatch.setattr(speed.os, "getloadavg", lambda: (load, 0.0, 0.0), raising=False)
