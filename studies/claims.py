@@ -11,7 +11,7 @@ with a network that learned press-ups. Networks are kept in the folder of --cach
 that of a file alone. Without --data the takes are synthetic. jang2018 is judged by the studies
 `sequences`, as it is by default, and `sequence_choices`; each paper takes most of an hour of
 processor time, and --papers names one. --quick has fewer of all: one network of `--recipe fast`,
-one seed, few takes and steps; it shows that every statement can be judged, in less than two minutes
+one seed, few takes and steps; it shows that every statement can be judged, in about two minutes
 of processor time, and its verdicts say little.
 """
 
