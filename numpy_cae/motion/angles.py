@@ -194,6 +194,8 @@ def unwrap(vectors: np.ndarray) -> np.ndarray:
     second frame on, each is replaced by the equivalent vector nearest to that of the frame before.
     """
     smooth = np.array(vectors, dtype=np.float64)
+    if np.linalg.norm(smooth, axis=-1).max(initial=0.0) < np.pi / 2:
+        return smooth  # no equivalent vector is nearer
     for frame in range(1, len(smooth)):
         smooth[frame] = _nearest(smooth[frame], smooth[frame - 1])
     return smooth

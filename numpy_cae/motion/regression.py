@@ -2,17 +2,18 @@
 
 Gløersen and Federolf (2016) fill in markers that are hidden for a while by a regression on the
 principal components of the visible markers. It is fitted to the complete frames of the same take,
-so that nothing has to be learned before. Here, with x_t the visible numbers in the frames t - 4,
-t and t + 4 (at thirty frames a second), y_t the hidden numbers, both less their means over the
-complete frames, and X and Y the matrices whose rows are these frames (at a higher rate so many of
-them, evenly spaced, that they are 1/30 s apart),
+so that nothing has to be learned before. Here, with x_t the visible numbers in the frames t - n,
+t and t + n, y_t the hidden numbers, both less their means over the complete frames, and X and Y the
+matrices whose rows are these frames (at a higher rate so many of them, evenly spaced, that they are
+1/30 s apart),
 
-    ŷ_t = x_t B + e_t,    B = (XᵀX + λ tr(XᵀX) I)⁻¹ Xᵀ Y
+    ŷ_t = mean over n of x_t B + e_t,    B = (XᵀX + λ tr(XᵀX) I)⁻¹ Xᵀ Y
 
-The ridge λ weighs the principal component with the variance s² by s² / (s² + λ Σ s²): components
+for n = 2, 4 and 8 frames at thirty a second, as the errors of the three regressions differ. The
+ridge λ weighs the principal component with the variance s² by s² / (s² + λ Σ s²): components
 with less than about λ of the variance, such as noise, count little. e_t joins the prediction to
 the motion at both ends of the hole. It is the mean of a Gaussian process in time, given the
-residuals r = y - xB in the frames next to the hole, with the covariance (Matérn 3/2)
+residuals r of this mean in the frames next to the hole, with the covariance (Matérn 3/2)
 
     k(d) = (1 + √3 |d| / ℓ) exp(-√3 |d| / ℓ),    e_t = k(t, T) k(T, T)⁻¹ r_T
 
@@ -30,8 +31,8 @@ import numpy as np
 
 from numpy_cae.motion.motion import RATE
 
-LAG_SECONDS = 4 / RATE
-"""The time (s) between the frames whose visible numbers predict a frame."""
+LAGS_SECONDS = (2 / RATE, 4 / RATE, 8 / RATE)
+"""n of the module's equation (s), the shortest first (docs/lab_book/filling.md)."""
 RIDGE = 1e-4
 """λ of the module's equation, chosen on CMU's takes among 1e-6 to 1e-2
 (docs/lab_book/filling.md)."""
@@ -71,7 +72,7 @@ def predict_hidden(
     Returns
     -------
     (n, C) array of float64, or None
-        None with fewer than `LEAST_FRAMES` complete frames.
+        None with fewer than `LEAST_FRAMES` complete frames for each n; an n with fewer is left out.
 
     Examples
     --------
@@ -84,23 +85,31 @@ def predict_hidden(
     >>> is_known = (t < 1) | (t >= 2)
     >>> predicted = predict_hidden(visible, hidden, is_visible, is_known, slice(30, 60), 30.0)
     >>> print(np.abs(predicted - hidden[30:60]).max().round(2))
-    0.03
+    0.02
     """
     step = max(1, round(rate / RATE))
-    lag = max(1, round(LAG_SECONDS * rate))
-    is_complete = is_known & join_lags(is_visible[:, None], lag).all(axis=1)
-    complete = np.flatnonzero(is_complete)[::step]
-    if len(complete) < LEAST_FRAMES:
+    predictions = []
+    for seconds in LAGS_SECONDS:
+        lag = max(1, round(seconds * rate))
+        is_complete = is_known & join_lags(is_visible[:, None], lag).all(axis=1)
+        complete = np.flatnonzero(is_complete)[::step]
+        if len(complete) >= LEAST_FRAMES:
+            predictions.append(regress(join_lags(visible, lag), hidden, complete))
+    if not predictions:
         return None
-    x = join_lags(visible, lag)
-    x = x - x[complete].mean(axis=0)
-    mean = hidden[complete].mean(axis=0)
-    predicted = mean + x @ fit_ridge(x[complete], hidden[complete] - mean)
+    predicted = np.mean(predictions, axis=0)
     near = joined_frames(is_known, hole, step)
     residual = (hidden - predicted)[near]
     return predicted[hole] + join_ends(
         near / rate, residual, np.arange(hole.start, hole.stop) / rate
     )
+
+
+def regress(x: np.ndarray, y: np.ndarray, complete: np.ndarray) -> np.ndarray:
+    """The prediction (F, C) of y (F, C) from x (F, D), fitted to the frames `complete` (N,)."""
+    x = x - x[complete].mean(axis=0)
+    mean = y[complete].mean(axis=0)
+    return mean + x @ fit_ridge(x[complete], y[complete] - mean)
 
 
 def join_lags(values: np.ndarray, lag: int) -> np.ndarray:

@@ -14,9 +14,11 @@ from numpy_cae.mocap.rigs.recognise import rig_of
 from numpy_cae.motion import JOINTS, RATE
 from numpy_cae.motion.angles import unwrap
 from numpy_cae.motion.quaternions import from_vector, inverse, product, to_vector
-from numpy_cae.motion.regression import LAG_SECONDS, join_lags
+from numpy_cae.motion.regression import join_lags
 from studies.explaining.planted import moved_joints
 
+LAG_SECONDS = 4 / RATE
+"""The time (s) between the frames whose positions predict a frame."""
 BLOCK_SECONDS = 1.0
 MARGIN_SECONDS = 0.3
 """Blocks that are predicted, and what is left out around them (s)."""

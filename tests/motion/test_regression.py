@@ -3,8 +3,10 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
+from numpy_cae.motion import regression
 from numpy_cae.motion.regression import (
     JOIN_SECONDS,
+    LAGS_SECONDS,
     LEAST_FRAMES,
     RIDGE,
     fit_ridge,
@@ -81,6 +83,29 @@ def test_too_few_complete_frames_predict_nothing():
     is_known = np.zeros(120, bool)
     is_known[: LEAST_FRAMES - 1] = True
     assert predict_hidden(visible, hidden, is_visible, is_known, HOLE, 30.0) is None
+
+
+def test_the_prediction_is_the_mean_over_the_lags(monkeypatch):
+    visible, hidden, is_visible, is_known = example()
+    hidden = hidden**2
+    arguments = (visible, hidden, is_visible, is_known, HOLE, 30.0)
+    together = predict_hidden(*arguments)
+    single = []
+    for seconds in LAGS_SECONDS:
+        monkeypatch.setattr(regression, "LAGS_SECONDS", (seconds,))
+        single.append(predict_hidden(*arguments))
+    assert_allclose(together, np.mean(single, axis=0))
+    assert np.ptp(single, axis=0).max() > 1e-3
+
+
+def test_a_lag_with_too_few_complete_frames_is_left_out(monkeypatch):
+    """In 21 visible frames 17 are complete with the lag of two frames, 13 with that of four."""
+    visible, hidden, is_visible, is_known = example()
+    is_visible[:5] = is_visible[26:] = False
+    arguments = (visible, hidden, is_visible, is_known, HOLE, 30.0)
+    predicted = predict_hidden(*arguments)
+    monkeypatch.setattr(regression, "LAGS_SECONDS", LAGS_SECONDS[:1])
+    assert_allclose(predicted, predict_hidden(*arguments))
 
 
 def test_frames_next_to_unknown_visible_numbers_are_not_fitted():
