@@ -69,16 +69,16 @@ def draw_ratios_by_length(table: Table, ratio: str) -> Figure:
     figure = _figure(5.4, 3.2)
     axes = figure.subplots()
     axes.axhline(1, color=GREY, linewidth=1)
-    axes.annotate("the best curve", (3, 0.99), color=GREY, fontsize=8, va="top", ha="right")
+    axes.annotate("the best curve", (3, 1.02), color=GREY, fontsize=8, va="bottom", ha="right")
     for part, values in ratios.items():
         seconds = sorted(values)
         heights = [values[second] for second in seconds]
         axes.plot(seconds, heights, color=PARTS[part], marker="o", markersize=4, label=part)
     axes.set_xlabel("length of the hole, s")
     axes.set_ylabel("error, divided by that of the best curve")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.15)
     _finish(figure, [axes])
-    _legend(axes.legend(loc="lower right"))
+    _legend(axes.legend(loc="lower left", bbox_to_anchor=(1, 0)))
     return figure
 
 
