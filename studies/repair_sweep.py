@@ -135,9 +135,8 @@ def _picture(repairs: Repairs, window: Clips, p: float, seed: int) -> Picture:
     damaged = zero_values(window.x, p, np.random.default_rng(seed))
     with_mask = (tables.PCHIP, tables.GAUSSIAN, tables.COMPLETED)
     repaired = {tables.DAMAGED: damaged}
-    for method, _, x in repairs.project(window, damaged):
-        repaired[method] = x
-    for method, _, x in repairs.apply_with_mask(window, damaged, with_mask):
+    projected = repairs.project(window, damaged)
+    for method, _, x in [*projected, *repairs.apply_with_mask(window, damaged, with_mask)]:
         repaired[method] = x
     denormalise = repairs.manifold.denormalise
     motions = {}
