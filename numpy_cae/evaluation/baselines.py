@@ -30,8 +30,12 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.fast.thread_team import one_blas_thread
-from numpy_cae.manifold.probabilistic_pca import RIDGE, TAPS, estimate_by_rows
+from numpy_cae.manifold.probabilistic_pca import TAPS, estimate_by_rows
 
+RIDGE = 3e-4
+"""This share of the mean variance is added to each variance where takes of another source are
+completed. With 1e-6 the Gaussian is better on takes like those it is fitted to, and four times
+worse on takes of another source (docs/lab_book/other_sources.md)."""
 RIDGES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Shares of which `fit_gaussian` chooses one."""
 LEFT_OUT = 5
@@ -123,7 +127,7 @@ class Gaussian:
         completed = np.empty(x.shape)
         with one_blas_thread():  # two threads wait for each other longer than they compute
             for window, mask, into in zip(x, known, completed, strict=True):
-                estimate = estimate_by_rows(window, mask, estimate_row, count=1)[0]
+                estimate = estimate_by_rows(window, mask, estimate_row)
                 into[...] = np.where(mask, window, estimate)
         return completed
 
@@ -140,11 +144,11 @@ class Gaussian:
 def _estimate_row(
     z: np.ndarray, is_known: np.ndarray, mean: np.ndarray, covariance: np.ndarray
 ) -> np.ndarray:
-    """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (1, TAPS · C)."""
+    """m + S_·o S_oo⁻¹ (z_o - m_o) of one row z, (TAPS · C,)."""
     o = np.flatnonzero(is_known)
     weights = np.zeros(len(mean))
     weights[o] = np.linalg.solve(covariance[np.ix_(o, o)], z[o] - mean[o])
-    return (mean + covariance @ weights)[None]
+    return mean + covariance @ weights
 
 
 def apply_linear_map(x: np.ndarray, a: np.ndarray) -> np.ndarray:

@@ -5,11 +5,12 @@ worker runs the same function on one share of the data, in its own buffers; wher
 results of another, all workers `wait`. The same worker computes each number in the same order, so
 a result depends on the number of threads and on nothing else.
 
-**BLAS** is the OpenBLAS library that NumPy's wheels contain: `one_blas_thread` sets its number of
-threads. Two Python threads that each start two BLAS threads on two cores are slower than one, so a
-team sets BLAS to one thread while it works. NumPy has no function for that; calling OpenBLAS takes
-a few lines of ctypes (the package `threadpoolctl` does the same for every BLAS, but is one more
-dependency). If NumPy uses another BLAS, `blas_threads` returns None and a team has one thread.
+**BLAS** is the OpenBLAS library that NumPy's wheels contain, and the other one that SciPy's wheels
+contain: `one_blas_thread` sets their numbers of threads. Two Python threads that each start two
+BLAS threads on two cores are slower than one, so a team sets BLAS to one thread while it works.
+NumPy has no function for that; calling OpenBLAS takes a few lines of ctypes (the package
+`threadpoolctl` does the same for every BLAS, but is one more dependency). If NumPy uses another
+BLAS, `blas_threads` returns None and a team has one thread.
 """
 
 import ctypes
@@ -21,6 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from functools import lru_cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -31,28 +33,37 @@ FUNCTION_NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_",
 
 
 @lru_cache(maxsize=1)
-def _openblas() -> tuple[Callable[[], int], Callable[[int], None]] | None:
-    """The functions that read and set the number of threads; None where they are not found."""
-    for library in _libraries():
-        functions = _thread_functions(library)
-        if functions is not None:
-            return functions
-    return None
+def _openblas() -> list[tuple[Callable[[], int], Callable[[int], None]]]:
+    """The functions that read and set the number of threads of NumPy's OpenBLAS, then those of
+    SciPy's; none where NumPy's are not found."""
+    found = []
+    for package in ("numpy", "scipy"):
+        functions = [_thread_functions(library) for library in _libraries(package)]
+        found.append(next((pair for pair in functions if pair is not None), None))
+    of_numpy, of_scipy = found
+    if of_numpy is None:
+        return []
+    return [of_numpy] if of_scipy is None else [of_numpy, of_scipy]
 
 
-def _libraries() -> Iterator[ctypes.CDLL]:
-    """The libraries that may be NumPy's own OpenBLAS, of those that can be loaded."""
-    package = Path(np.__file__).parent
-    for folder in (package.parent / "numpy.libs", package / ".libs", package / ".dylibs"):
-        for path in sorted(folder.glob("*openblas*")):
-            with suppress(OSError):
-                yield ctypes.CDLL(str(path))
+def _libraries(package: str) -> Iterator[ctypes.CDLL]:
+    """The libraries that may be the OpenBLAS of a package, of those that can be loaded.
+
+    The package is not imported: SciPy takes longer than its library.
+    """
+    spec = find_spec(package)
+    for place in (spec and spec.submodule_search_locations) or ():
+        folder = Path(place)
+        for libraries in (folder.parent / f"{package}.libs", folder / ".libs", folder / ".dylibs"):
+            for path in sorted(libraries.glob("*openblas*")):
+                with suppress(OSError):
+                    yield ctypes.CDLL(str(path))
 
 
 def blas_kernel() -> str:
     """The name of the kernels that OpenBLAS uses on this processor, such as "SkylakeX"; "unknown"
     for another BLAS."""
-    for library in _libraries():
+    for library in _libraries("numpy"):
         for name in FUNCTION_NAMES:
             read = getattr(library, name.format("get_corename"), None)
             if read is not None:
@@ -81,10 +92,13 @@ def blas_threads() -> int | None:
 
     See OPENBLAS_NUM_THREADS.
     """
-    functions = _openblas()
-    if functions is None:
+    libraries = _openblas()
+    if not libraries:
         return None
-    return functions[0]() if _open_blocks.threads_before is None else _open_blocks.threads_before
+    if _open_blocks.threads_before is not None:
+        return _open_blocks.threads_before[0]
+    read, _ = libraries[0]
+    return read()
 
 
 class _Block:
@@ -92,30 +106,32 @@ class _Block:
 
 
 class _OpenBlocks:
-    """The blocks of `one_blas_thread` that have not ended, and the number of threads before them.
+    """The blocks of `one_blas_thread` that have not ended, and the numbers of threads before them.
 
     Ctrl-C may come between any two steps here. So a block counts only as long as something refers
-    to it, and the number of threads is forgotten after it was restored, not before: where an
+    to it, and the numbers of threads are forgotten after they were restored, not before: where an
     interrupt prevents the restoration, the next block that ends makes up for it.
     """
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
         self.blocks: weakref.WeakSet[_Block] = weakref.WeakSet()
-        self.threads_before: int | None = None
+        self.threads_before: list[int] | None = None
 
-    def add(self, block: _Block, read: Callable[[], int], write: Callable[[int], None]) -> None:
+    def add(self, block: _Block) -> None:
         with self.lock:
             if self.threads_before is None:
-                self.threads_before = read()
+                self.threads_before = [read() for read, _ in _openblas()]
             self.blocks.add(block)
-            write(1)
+            for _, write in _openblas():
+                write(1)
 
-    def remove(self, block: _Block, write: Callable[[int], None]) -> None:
+    def remove(self, block: _Block) -> None:
         with self.lock:
             self.blocks.discard(block)
             if not self.blocks and self.threads_before is not None:
-                write(self.threads_before)
+                for (_, write), threads in zip(_openblas(), self.threads_before, strict=True):
+                    write(threads)
                 self.threads_before = None
 
 
@@ -129,17 +145,15 @@ def one_blas_thread() -> Iterator[None]:
     Put a whole computation with a team into one block: after a product on two threads, the second
     thread of OpenBLAS waits actively for 20 ms and takes a core from the team.
     """
-    functions = _openblas()
-    if functions is None:
+    if not _openblas():
         yield
         return
-    read, write = functions
     block = _Block()
     try:
-        _open_blocks.add(block, read, write)
+        _open_blocks.add(block)
         yield
     finally:
-        _open_blocks.remove(block, write)
+        _open_blocks.remove(block)
 
 
 def is_limited_to_one_blas_thread() -> bool:

@@ -22,9 +22,8 @@ are averaged with the weights of Hann's window,
 
 since frames in the middle of a row have the most frames on both sides.
 
-A take of another source differs more from m + W c than takes of the training do. So missing values
-are estimated twice, with σ² and with σ² + `RIDGE` times the mean variance of an entry of z;
-`weighted_completion` weighs both.
+A take of another source differs more from m + W c than takes of the training do. So `RIDGE` times
+the mean variance of an entry of z is added to σ² in E[c | z_o].
 
 References
 ----------
@@ -41,7 +40,6 @@ from functools import partial
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from numpy_cae.fast.thread_team import one_blas_thread
 from numpy_cae.manifold.pca import PCA
 from numpy_cae.training import Windows
 
@@ -49,13 +47,12 @@ TAPS = 15
 """Frames of a row, as many as a filter of holden2015 has."""
 STEP = 5
 """Rows that are averaged begin so many frames apart."""
-AXES = 200
-"""Numbers of c. With 300 a take like those of the training is completed better, one of another
-source is not (docs/lab_book/completion.md)."""
-RIDGE = 3e-4
-"""This share of the mean variance is added to that of an entry where takes of another source are
-completed. With 1e-6 a Gaussian is better on takes like those it is fitted to, and four times worse
-on takes of another source (docs/lab_book/other_sources.md)."""
+AXES = 300
+"""Numbers of c. More take more time, and improve little (docs/lab_book/completion.md)."""
+RIDGE = 1e-4
+"""This share of the mean variance of an entry of z is added to σ². With 3e-4 takes like those of
+the training are completed worse, with 3e-5 those of another source
+(docs/lab_book/completion.md)."""
 MOST_ROWS = 10_000
 """Rows that are fitted, evenly spaced over the training takes, to bound memory."""
 LEAST_NOISE = 1e-6
@@ -111,7 +108,7 @@ class ProbabilisticPCA:
         return cls(pca.mean, np.sqrt(excess)[:, None] * pca.axes[:AXES], float(noise))
 
     def estimate(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Estimate the values of a motion, with both variances of the module's text.
+        """Estimate the values of a motion.
 
         Parameters
         ----------
@@ -121,40 +118,36 @@ class ProbabilisticPCA:
 
         Returns
         -------
-        (2, T, C) array of float64
+        (T, C) array of float64
             Known values are estimated too, but for rows without unknown ones.
         """
         w = self.axes.T.astype(np.float64)
         estimate_row = partial(self._estimate_row, w=w, products=w.T @ w)
-        with one_blas_thread():  # two threads wait for each other longer than they compute
-            return estimate_by_rows(x, known, estimate_row, count=2)
+        return estimate_by_rows(x, known, estimate_row)
 
     def _estimate_row(
         self, z: np.ndarray, is_known: np.ndarray, w: np.ndarray, products: np.ndarray
     ) -> np.ndarray:
-        """ẑ with both variances, (2, TAPS · C); `products` is WᵀW."""
+        """ẑ (TAPS · C,); `products` is WᵀW."""
         if is_known.all():
-            return np.stack([z, z])
+            return z
         w_o = w[is_known]
         if 2 * len(w_o) > len(w):
             w_u = w[~is_known]
             of_known = products - w_u.T @ w_u  # W_oᵀ W_o, from the fewer rows
         else:
             of_known = w_o.T @ w_o
-        right = w_o.T @ (z[is_known] - self.mean[is_known])
         mean_variance = np.trace(products) / len(z) + self.noise
-        estimates = []
-        for noise in (self.noise, self.noise + RIDGE * mean_variance):
-            c = np.linalg.solve(of_known + noise * np.eye(len(right)), right)
-            estimates.append(self.mean + w @ c)
-        return np.stack(estimates)
+        noise = self.noise + RIDGE * mean_variance
+        gap = z[is_known] - self.mean[is_known]
+        c = np.linalg.solve(of_known + noise * np.eye(len(of_known)), w_o.T @ gap)
+        return self.mean + w @ c
 
 
 def estimate_by_rows(
     x: np.ndarray,
     known: np.ndarray,
     estimate_row: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    count: int,
 ) -> np.ndarray:
     """The mean, with Hann's weights, of what overlapping rows say of their values.
 
@@ -164,25 +157,23 @@ def estimate_by_rows(
         Rows begin at frames 0, `STEP`, 2 `STEP`, … and T - `TAPS`. Frames beyond a motion of fewer
         than `TAPS` frames are unknown.
     known : (T, C) array of bool
-    estimate_row : function (z, is_known) -> estimates
-        Of a row (TAPS · C,) and its mask, estimates (count, TAPS · C).
-    count : int
-        Number of estimates.
+    estimate_row : function (z, is_known) -> estimate
+        Of a row (TAPS · C,) and its mask, the estimate (TAPS · C,).
 
     Returns
     -------
-    (count, T, C) array of float64
+    (T, C) array of float64
     """
     short = max(TAPS - len(x), 0)
     values = np.pad(np.asarray(x, np.float64), ((0, short), (0, 0)))
     mask = np.pad(known, ((0, short), (0, 0)))
     last = len(values) - TAPS
     hann = np.sin(np.pi * (np.arange(TAPS) + 0.5) / TAPS)[:, None] ** 2
-    sums = np.zeros((count, *values.shape))
+    sums = np.zeros_like(values)
     weights = np.zeros((len(values), 1))
     for start in [*range(0, last, STEP), last]:
         row = slice(start, start + TAPS)
-        estimates = estimate_row(values[row].ravel(), mask[row].ravel())
-        sums[:, row] += hann * estimates.reshape(count, TAPS, -1)
+        estimate = estimate_row(values[row].ravel(), mask[row].ravel())
+        sums[row] += hann * estimate.reshape(TAPS, -1)
         weights[row] += hann
-    return (sums / weights)[:, : len(x)]
+    return (sums / weights)[: len(x)]

@@ -6,9 +6,9 @@ The candidates are:
 2. this curve, refined: the iteration of `manifold.completion`, in which P predicts each value from
    the others of its frame, by the Gaussian of the frames of this motion; then the frames of the
    result given how certain each interpolated value is (`motion.frame_gaussian`);
-3. what the principal components of fifteen successive frames of the training takes say of a take
-   like these (`manifold.probabilistic_pca`), and the curve of what they miss at the known values;
-4. what they say of a take of another source, refined as the curve is;
+3. what the principal components of fifteen successive frames of the training takes say
+   (`manifold.probabilistic_pca`), and the curve of what they miss at the known values;
+4. what they say, refined as the curve is;
 5. the completion by the network, which starts from the curve, refined in the same way.
 
 Without a network there is no candidate 5, without principal components no candidates 3 and 4.
@@ -34,6 +34,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from numpy_cae.fast.thread_team import one_blas_thread
 from numpy_cae.manifold.completion import complete, interpolate_gaps
 from numpy_cae.manifold.probabilistic_pca import ProbabilisticPCA
 from numpy_cae.motion.frame_gaussian import condition_frames, predict_from_others
@@ -72,6 +73,7 @@ Project = Callable[[np.ndarray, bool], np.ndarray]
 """The projection by the network of windows (1, T, C), averaged over all shifts or not."""
 
 
+@one_blas_thread()  # two threads would wait for each other longer than they compute
 def complete_weighted(
     x: np.ndarray,
     known: np.ndarray,
@@ -149,10 +151,10 @@ def candidates_of(
     variances = gap_variances(known, curves.lengths)
     candidates = [curves.values, refine(x, known, curves.values, variances)]
     if context is not None:
-        of_training, of_another = context.estimate(x, known)
-        missed = fit_curves(x - of_training, known, [MISSED_LENGTH]).values
-        candidates.append(np.where(known, x, of_training + missed))
-        candidates.append(refine(x, known, of_another, variances))
+        estimate = context.estimate(x, known)
+        missed = fit_curves(x - estimate, known, [MISSED_LENGTH]).values
+        candidates.append(np.where(known, x, estimate + missed))
+        candidates.append(refine(x, known, estimate, variances))
     if project is not None:
         by_network = complete(x[None], known[None], project, start=curves.values[None])[0]
         candidates.append(refine(x, known, by_network, variances))
