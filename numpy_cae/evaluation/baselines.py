@@ -30,12 +30,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from numpy_cae.fast.thread_team import one_blas_thread
-from numpy_cae.manifold.probabilistic_pca import TAPS, estimate_by_rows
+from numpy_cae.manifold.probabilistic_pca import RIDGE, TAPS, estimate_by_rows
 
-RIDGE = 3e-4
-"""This share of the mean variance is added to each variance where takes of another source are
-completed. With 1e-6 the Gaussian is better on takes like those it is fitted to, and four times
-worse on takes of another source (docs/lab_book/other_sources.md)."""
 RIDGES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Shares of which `fit_gaussian` chooses one."""
 LEFT_OUT = 5

@@ -219,8 +219,8 @@ class MotionManifold:
         >>> features, _ = manifold.features(walk)
         >>> known = np.random.default_rng(0).random(features.shape) < 0.5
         >>> off = manifold.complete(features, known) - features
-        >>> print((100 * np.abs(off[:, POSITIONS]).mean()).round(1))
-        0.1
+        >>> print((100 * np.abs(off[:, POSITIONS]).mean()).round(2))
+        0.04
         """
         if known is None:
             # The hips' place in the body's frame is always zero, and so is its mean.

@@ -15,6 +15,15 @@ Where only z_o is known, with W_o and m_o the rows of W and m that belong to it,
 
     ẑ = m + W E[c | z_o],    E[c | z_o] = (W_oᵀ W_o + σ² I)⁻¹ W_oᵀ (z_o - m_o)
 
+which has as many unknowns as c. With M = WᵀW + σ² I the same is
+
+    E[c | z_o] = W_oᵀ (W_o W_oᵀ + σ² I)⁻¹ (z_o - m_o)
+    E[c | z_o] = M⁻¹ (W_oᵀ (z_o - m_o) + W_uᵀ (ẑ_u - m_u)),
+        (I - W_u M⁻¹ W_uᵀ) (ẑ_u - m_u) = W_u M⁻¹ W_oᵀ (z_o - m_o)
+
+of which the first has as many unknowns as there are known values, the second as there are unknown
+ones. The smallest of the three systems is solved.
+
 Rows begin every `STEP` frames, so they overlap. The estimates of a frame by all rows that have it
 are averaged with the weights of Hann's window,
 
@@ -22,8 +31,9 @@ are averaged with the weights of Hann's window,
 
 since frames in the middle of a row have the most frames on both sides.
 
-A take of another source differs more from m + W c than takes of the training do. So `RIDGE` times
-the mean variance of an entry of z is added to σ² in E[c | z_o].
+A take of another source differs more from m + W c than takes of the training do. So missing values
+are estimated twice, with σ² and with σ² + `RIDGE` times the mean variance of an entry of z;
+`weighted_completion` weighs both.
 
 References
 ----------
@@ -35,7 +45,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -49,10 +58,10 @@ STEP = 5
 """Rows that are averaged begin so many frames apart."""
 AXES = 300
 """Numbers of c. More take more time, and improve little (docs/lab_book/completion.md)."""
-RIDGE = 1e-4
-"""This share of the mean variance of an entry of z is added to σ². With 3e-4 takes like those of
-the training are completed worse, with 3e-5 those of another source
-(docs/lab_book/completion.md)."""
+RIDGE = 3e-4
+"""This share of the mean variance is added to that of an entry where takes of another source are
+completed. With 1e-6 a Gaussian is better on takes like those it is fitted to, and four times worse
+on takes of another source (docs/lab_book/other_sources.md)."""
 MOST_ROWS = 10_000
 """Rows that are fitted, evenly spaced over the training takes, to bound memory."""
 LEAST_NOISE = 1e-6
@@ -108,7 +117,7 @@ class ProbabilisticPCA:
         return cls(pca.mean, np.sqrt(excess)[:, None] * pca.axes[:AXES], float(noise))
 
     def estimate(self, x: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Estimate the values of a motion.
+        """Estimate the values of a motion, with both variances of the module's text.
 
         Parameters
         ----------
@@ -118,30 +127,47 @@ class ProbabilisticPCA:
 
         Returns
         -------
-        (T, C) array of float64
+        (2, T, C) array of float64
             Known values are estimated too, but for rows without unknown ones.
         """
         w = self.axes.T.astype(np.float64)
-        estimate_row = partial(self._estimate_row, w=w, products=w.T @ w)
-        return estimate_by_rows(x, known, estimate_row)
+        mean_variance = np.sum(w * w) / len(w) + self.noise
+        of_training = _Rows(self.mean, w, self.noise)
+        of_another = _Rows(self.mean, w, self.noise + RIDGE * mean_variance)
+        both = (of_training, of_another)
+        return np.stack([estimate_by_rows(x, known, rows.estimate) for rows in both])
 
-    def _estimate_row(
-        self, z: np.ndarray, is_known: np.ndarray, w: np.ndarray, products: np.ndarray
-    ) -> np.ndarray:
-        """ẑ (TAPS · C,); `products` is WᵀW."""
+
+class _Rows:
+    """What the module's text says of rows z with the mean m, W and one variance σ²."""
+
+    def __init__(self, mean: np.ndarray, w: np.ndarray, noise: float):
+        self.mean = mean
+        self.w = w
+        self.noise = noise
+        self.projection = w @ np.linalg.inv(w.T @ w + noise * np.eye(w.shape[1]))  # W M⁻¹
+
+    def estimate(self, z: np.ndarray, is_known: np.ndarray) -> np.ndarray:
+        """ẑ of one row, (TAPS · C,)."""
         if is_known.all():
             return z
-        w_o = w[is_known]
-        if 2 * len(w_o) > len(w):
-            w_u = w[~is_known]
-            of_known = products - w_u.T @ w_u  # W_oᵀ W_o, from the fewer rows
+        gap = np.where(is_known, z - self.mean, 0.0)
+        right = gap @ self.w  # W_oᵀ (z_o - m_o)
+        known = int(np.count_nonzero(is_known))
+        smallest = min(known, len(z) - known, len(right))
+        noise = self.noise * np.eye(smallest)
+        if smallest == known:
+            w_o = self.w[is_known]
+            c = w_o.T @ np.linalg.solve(w_o @ w_o.T + noise, gap[is_known])
+        elif smallest == len(right):
+            w_o = self.w[is_known]
+            c = np.linalg.solve(w_o.T @ w_o + noise, right)
         else:
-            of_known = w_o.T @ w_o
-        mean_variance = np.trace(products) / len(z) + self.noise
-        noise = self.noise + RIDGE * mean_variance
-        gap = z[is_known] - self.mean[is_known]
-        c = np.linalg.solve(of_known + noise * np.eye(len(of_known)), w_o.T @ gap)
-        return self.mean + w @ c
+            w_u = self.w[~is_known]
+            p_u = self.projection[~is_known]  # W_u M⁻¹
+            missing = np.linalg.solve(np.eye(smallest) - p_u @ w_u.T, p_u @ right)
+            return self.mean + self.projection @ (right + w_u.T @ missing)
+        return self.mean + self.w @ c
 
 
 def estimate_by_rows(

@@ -6,12 +6,13 @@ The candidates are:
 2. this curve, refined: the iteration of `manifold.completion`, in which P predicts each value from
    the others of its frame, by the Gaussian of the frames of this motion; then the frames of the
    result given how certain each interpolated value is (`motion.frame_gaussian`);
-3. what the principal components of fifteen successive frames of the training takes say
-   (`manifold.probabilistic_pca`), and the curve of what they miss at the known values;
-4. what they say, refined as the curve is;
-5. the completion by the network, which starts from the curve, refined in the same way.
+3. what the principal components of fifteen successive frames of the training takes say of a take
+   like these (`manifold.probabilistic_pca`), and the curve of what they miss at the known values;
+4. the same of a take of another source;
+5. what they say of a take of another source, refined as the curve is;
+6. the completion by the network, which starts from the curve, refined in the same way.
 
-Without a network there is no candidate 5, without principal components no candidates 3 and 4.
+Without a network there is no candidate 6, without principal components no candidates 3 to 5.
 
 In trials, about a tenth of the known values is left out and completed in the same way, until
 `TRIAL_VALUES` values have been left out, at most `MOST_TRIALS` times. With e_ik the errors of
@@ -42,12 +43,12 @@ from numpy_cae.motion.gaussian_process import fit_curves, gap_variances
 from numpy_cae.motion.masks import distances_to_known, runs
 
 PREDICTIONS = 8
-"""At most so many times the values of the frames of candidates 2, 4 and 5 predict one another."""
+"""At most so many times the values of the frames of candidates 2, 5 and 6 predict one another."""
 CLASSES = (1, 2, 4, 8)
 """Upper ends of classes of distances (frames) to the nearest known value; the last one has none."""
 MISSED_LENGTH = 5.0
-"""The length ℓ (frames) of the curve of candidate 3, chosen among 2.5 to 40 on takes of three
-sources. Those of largest likelihood are shorter, and no better."""
+"""The length ℓ (frames) of the curve of candidates 3 and 4, chosen among 2.5 to 40 on takes of
+three sources. Those of largest likelihood are shorter, and no better."""
 NEAR = 4
 """The curve by itself is a candidate up to this distance, chosen on files of people among 0, 1, 2,
 4 and any (docs/lab_book/completion.md)."""
@@ -92,7 +93,7 @@ def complete_weighted(
     project : Project, optional
         Where None, there is no candidate of a network.
     context : ProbabilisticPCA, optional
-        Where None, there are no candidates 3 and 4. Without both arguments the motion is completed
+        Where None, there are no candidates 3 to 5. Without both arguments the motion is completed
         by what it knows of itself.
     seed : int
         Draws the values that are left out.
@@ -146,19 +147,25 @@ def candidates_of(
     project: Project | None,
     context: ProbabilisticPCA | None = None,
 ) -> np.ndarray:
-    """The candidates of the module's text, (5, T, C), or fewer without a network or a context."""
+    """The candidates of the module's text, (6, T, C), or fewer without a network or a context."""
     curves = fit_curves(x, known)
     variances = gap_variances(known, curves.lengths)
     candidates = [curves.values, refine(x, known, curves.values, variances)]
     if context is not None:
-        estimate = context.estimate(x, known)
-        missed = fit_curves(x - estimate, known, [MISSED_LENGTH]).values
-        candidates.append(np.where(known, x, estimate + missed))
-        candidates.append(refine(x, known, estimate, variances))
+        of_training, of_another = context.estimate(x, known)
+        candidates.append(add_missed(x, known, of_training))
+        candidates.append(add_missed(x, known, of_another))
+        candidates.append(refine(x, known, of_another, variances))
     if project is not None:
         by_network = complete(x[None], known[None], project, start=curves.values[None])[0]
         candidates.append(refine(x, known, by_network, variances))
     return np.stack(candidates)
+
+
+def add_missed(x: np.ndarray, known: np.ndarray, estimate: np.ndarray) -> np.ndarray:
+    """An estimate of a motion (T, C), and the curve of what it misses at the known values of x."""
+    missed = fit_curves(x - estimate, known, [MISSED_LENGTH]).values
+    return np.where(known, x, estimate + missed)
 
 
 def refine(

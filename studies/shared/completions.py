@@ -22,8 +22,9 @@ CURVE = "Gaussian process of each column"
 NETWORK = "the network, from the Gaussian process"
 FRAMES_GIVEN_CURVE = "Gaussian process, refined by the frames"
 FRAMES_GIVEN_NETWORK = "the network, refined by the frames"
-CONTEXT = "principal components of 15 frames, and the curve of what they miss"
-CONTEXT_OF_OTHER_SOURCE = "principal components of 15 frames, refined by the frames"
+COMPONENTS_AND_CURVE = "principal components of 15 frames, and the curve of what they miss"
+WITH_RIDGE_AND_CURVE = "the same with the ridge"
+REFINED_COMPONENTS = "principal components of 15 frames with the ridge, refined by the frames"
 WITHOUT_NETWORK = "weighed without the network"
 WEIGHED = "weighed: `complete`"
 OF_BEST = "`complete`, divided by the best of the others"
@@ -62,8 +63,8 @@ def complete_by_every_method(
         WITHOUT_NETWORK: complete_weighted(x, known, None, manifold.context),
     }
     if manifold.context is not None:
-        of_training, of_other_source = candidates[2:4]
-        completed |= {CONTEXT: of_training, CONTEXT_OF_OTHER_SOURCE: of_other_source}
+        names = (COMPONENTS_AND_CURVE, WITH_RIDGE_AND_CURVE, REFINED_COMPONENTS)
+        completed |= dict(zip(names, candidates[2:5], strict=True))
     in_features = {name: manifold.denormalise(values) for name, values in completed.items()}
     return in_features | {WEIGHED: manifold.complete(features, known)}
 
