@@ -593,7 +593,7 @@ def fill_motion(motion: Motion, manifold: MotionManifold, missing: np.ndarray) -
     >>> from numpy_cae.cleanup import fill_motion
     >>> motion = make_take("walk", 0, seconds=1.0, rate=30.0).motion
     >>> fill_motion(motion, starter(), keyframe_mask(30, 10))
-    all joints: frames 1 to 9, 11 to 19: moved 3.8 cm, at most 26.0
+    all joints: frames 1 to 9, 11 to 19: moved 3.8 cm, at most 26.1
     """
     require_finite(motion)
     missing = require_mask(missing, len(motion))
