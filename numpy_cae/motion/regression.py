@@ -11,11 +11,9 @@ matrices whose rows are these frames (at a higher rate so many of them, evenly s
 
 for n = 2, 4 and 8 frames at thirty a second, as the errors of the three regressions differ. The
 ridge λ weighs the principal component with the variance s² by s² / (s² + λ Σ s²): components
-with less than about λ of the variance, such as noise, count little. The mean over n is limited to
-the range of the known hidden numbers, widened by `WIDENED` of it at both ends: where the visible
-joints move as they do in no complete frame, x_t B can be anywhere. e_t joins the prediction to the
-motion at both ends of the hole. It is the mean of a Gaussian process in time, given the residuals r
-of this mean in the frames next to the hole, with the covariance (Matérn 3/2)
+with less than about λ of the variance, such as noise, count little. e_t joins the prediction to
+the motion at both ends of the hole. It is the mean of a Gaussian process in time, given the
+residuals r of this mean in the frames next to the hole, with the covariance (Matérn 3/2)
 
     k(d) = (1 + √3 |d| / ℓ) exp(-√3 |d| / ℓ),    e_t = k(t, T) k(T, T)⁻¹ r_T
 
@@ -37,9 +35,6 @@ LAGS_SECONDS = (2 / RATE, 4 / RATE, 8 / RATE)
 """n of the module's equation (s), the shortest first (docs/lab_book/filling.md)."""
 RIDGE = 1e-4
 """λ of the module's equation, chosen on CMU's takes among 1e-6 to 1e-2
-(docs/lab_book/filling.md)."""
-WIDENED = 0.1
-"""The share by which the range of the known numbers is widened, chosen among 0, 0.1 and 0.25
 (docs/lab_book/filling.md)."""
 JOIN_SECONDS = 0.2
 """ℓ of the module's equation (s), chosen on CMU's takes among 0.2 to 1.6 s."""
@@ -102,9 +97,7 @@ def predict_hidden(
             predictions.append(regress(join_lags(visible, lag), hidden, complete))
     if not predictions:
         return None
-    low, high = hidden[is_known].min(axis=0), hidden[is_known].max(axis=0)
-    margin = WIDENED * (high - low)
-    predicted = np.clip(np.mean(predictions, axis=0), low - margin, high + margin)
+    predicted = np.mean(predictions, axis=0)
     near = joined_frames(is_known, hole, step)
     residual = (hidden - predicted)[near]
     return predicted[hole] + join_ends(

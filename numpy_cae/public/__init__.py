@@ -199,7 +199,7 @@ def fill(
     >>> from data_synth import make_take
     >>> motion = make_take("walk", 0, seconds=4.0, rate=30.0).motion
     >>> numpy_cae.fill(motion, joints=["left_wrist"], frames=(30, 75))
-    left_wrist: frames 30 to 75: moved 1.5 cm, at most 3.1
+    left_wrist: frames 30 to 75: moved 1.5 cm, at most 3.2
     """
     motion = to_motion(motion)
     if joints is None and frames is None:
