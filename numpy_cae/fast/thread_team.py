@@ -10,7 +10,7 @@ contain: `one_blas_thread` sets their numbers of threads. Two Python threads tha
 BLAS threads on two cores are slower than one, so a team sets BLAS to one thread while it works.
 NumPy has no function for that; calling OpenBLAS takes a few lines of ctypes (the package
 `threadpoolctl` does the same for every BLAS, but is one more dependency). If NumPy uses another
-BLAS, `blas_threads` returns None and a team has one thread.
+BLAS, `blas_threads` returns None, a team has one thread, and SciPy's is not changed either.
 """
 
 import ctypes
@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 FUNCTION_NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_", "openblas_{}")
-"""Names of these functions in NumPy's wheels, newest first."""
+"""Names of these functions in the wheels of NumPy and SciPy, newest first."""
 
 
 @lru_cache(maxsize=1)
@@ -49,7 +49,7 @@ def _openblas() -> list[tuple[Callable[[], int], Callable[[int], None]]]:
 def _libraries(package: str) -> Iterator[ctypes.CDLL]:
     """The libraries that may be the OpenBLAS of a package, of those that can be loaded.
 
-    The package is not imported: SciPy takes longer than its library.
+    The library is loaded, but the package is not imported: SciPy takes thirty times as long.
     """
     spec = find_spec(package)
     for place in (spec and spec.submodule_search_locations) or ():
@@ -75,7 +75,7 @@ def blas_kernel() -> str:
 def _thread_functions(
     library: ctypes.CDLL,
 ) -> tuple[Callable[[], int], Callable[[int], None]] | None:
-    """The same functions of a library; None if it has none."""
+    """The functions of a library that read and set its number of threads; None if it has none."""
     for name in FUNCTION_NAMES:
         read = getattr(library, name.format("get_num_threads"), None)
         write = getattr(library, name.format("set_num_threads"), None)
@@ -141,6 +141,8 @@ _open_blocks = _OpenBlocks()
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
     """Let every matrix product of the process use one thread, until all such blocks have ended.
+
+    Where NumPy has no OpenBLAS of its own nothing is changed.
 
     Put a whole computation with a team into one block: after a product on two threads, the second
     thread of OpenBLAS waits actively for 20 ms and takes a core from the team.

@@ -175,15 +175,16 @@ class MotionManifold:
     def complete(self, features: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
         """Complete a clip of which some values are missing (`manifold.weighted_completion`).
 
-        In normalised features, five candidates are completed: a Gaussian process over time of each
-        feature by itself (`motion.gaussian_process`); this curve, refined by what the values of
-        each frame say about one another in this clip (`motion.frame_gaussian`); what the principal
-        components of fifteen frames of the training takes say (`manifold.probabilistic_pca`) of a
-        take like these, with the curve of what they miss at known values, and of another source,
-        refined as the curve was; and what the network makes of the curve by the iteration of
-        `manifold.completion`, refined as well. They are weighed by their errors in about a tenth of
-        the known values, left out up to four times, for each distance to the nearest known value.
-        Time and memory are linear in the frames.
+        Normalised features are completed by six candidates: a Gaussian process over time of each
+        feature by itself (`motion.gaussian_process`); the same, refined by a regression of the
+        values of each frame on one another in this clip (`motion.frame_gaussian`); the estimate by
+        principal components of fifteen frames of the training takes, with the curve of its errors
+        at known values (`manifold.probabilistic_pca`), without and with a ridge for takes of
+        another source; the estimate with the ridge, refined; and the network's completion by the
+        iteration of `manifold.completion`, refined. They are weighed by their errors in about a
+        tenth of the known values, left out up to four times, for each distance to the nearest known
+        value. Time and memory are linear in the frames. Meanwhile BLAS has one thread in the whole
+        process.
 
         Parameters
         ----------

@@ -6,11 +6,11 @@ The candidates are:
 2. this curve, refined: the iteration of `manifold.completion`, in which P predicts each value from
    the others of its frame, by the Gaussian of the frames of this motion; then the frames of the
    result given how certain each interpolated value is (`motion.frame_gaussian`);
-3. what the principal components of fifteen successive frames of the training takes say of a take
-   like these (`manifold.probabilistic_pca`), and the curve of what they miss at the known values;
-4. the same of a take of another source;
-5. what they say of a take of another source, refined as the curve is;
-6. the completion by the network, which starts from the curve, refined in the same way.
+3. the estimate by principal components of fifteen successive frames of the training takes, with
+   their variance σ² (`manifold.probabilistic_pca`), and the curve of its errors at known values;
+4. the estimate with the ridge for takes of another source, and the curve of its errors;
+5. the estimate with this ridge, refined as the curve of candidate 1 is;
+6. the completion by the network, which starts from the curve of candidate 1, refined as well.
 
 Without a network there is no candidate 6, without principal components no candidates 3 to 5.
 
@@ -74,7 +74,7 @@ Project = Callable[[np.ndarray, bool], np.ndarray]
 """The projection by the network of windows (1, T, C), averaged over all shifts or not."""
 
 
-@one_blas_thread()  # two threads would wait for each other longer than they compute
+@one_blas_thread()  # for matrices this small two threads wait longer than they compute
 def complete_weighted(
     x: np.ndarray,
     known: np.ndarray,
@@ -163,7 +163,7 @@ def candidates_of(
 
 
 def add_missed(x: np.ndarray, known: np.ndarray, estimate: np.ndarray) -> np.ndarray:
-    """An estimate of a motion (T, C), and the curve of what it misses at the known values of x."""
+    """An estimate of a motion (T, C), plus the curve of its errors at the known values of x."""
     missed = fit_curves(x - estimate, known, [MISSED_LENGTH]).values
     return np.where(known, x, estimate + missed)
 
@@ -250,7 +250,7 @@ def classify(distances: np.ndarray) -> np.ndarray:
 
 def weigh(errors: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """The weights (K, classes) of candidates by their errors (K, N) in values left out, at these
-    distances (N,) from the nearest known value; candidate 0 is the curve by itself."""
+    distances (N,) from the nearest known value; the first candidate is the curve by itself."""
     candidates = len(errors)
     all_products = mean_products(errors)
     weights = np.zeros((candidates, len(CLASSES) + 1))

@@ -29,21 +29,28 @@ def test_a_worker_that_fails_releases_the_others_and_raises_its_error():
     assert thread_team(2).run(str) == ["0", "1"]
 
 
+def threads_of_libraries():
+    return [read() for read, _ in _openblas()]
+
+
+def set_threads(numbers):
+    for (_, write), number in zip(_openblas(), numbers, strict=True):
+        write(number)
+
+
 def test_the_number_of_blas_threads_comes_back():
     if not _openblas():
         pytest.skip("this NumPy does not bring its own OpenBLAS")
-    before = [number_now() for number_now, _ in _openblas()]
+    before = threads_of_libraries()
     two_or_three = [2, 3][: len(before)]  # NumPy's, and where SciPy has its own, SciPy's
     try:
-        for (_, set_number), threads in zip(_openblas(), two_or_three, strict=True):
-            set_number(threads)
+        set_threads(two_or_three)
         with one_blas_thread(), one_blas_thread():
-            assert {number_now() for number_now, _ in _openblas()} == {1}
+            assert set(threads_of_libraries()) == {1}
             assert blas_threads() == 2
-        assert [number_now() for number_now, _ in _openblas()] == two_or_three
+        assert threads_of_libraries() == two_or_three
     finally:
-        for (_, set_number), threads in zip(_openblas(), before, strict=True):
-            set_number(threads)
+        set_threads(before)
 
 
 def test_shares_cover_everything_once():
@@ -73,13 +80,13 @@ def raise_at_step(last_step):
 
 @pytest.mark.skipif(not _openblas(), reason="needs OpenBLAS")
 def test_the_threads_come_back_after_an_interrupt_at_any_step():
-    number_now, set_number = _openblas()[0]
-    before = number_now()
+    before = threads_of_libraries()
+    two_or_three = [2, 3][: len(before)]
     traced = sys.gettrace()
-    set_number(2)
+    set_threads(two_or_three)
     interrupts = 0
     try:
-        for step in range(60):
+        for step in range(80):
             try:
                 sys.settrace(raise_at_step(step))
                 with one_blas_thread():
@@ -89,11 +96,11 @@ def test_the_threads_come_back_after_an_interrupt_at_any_step():
             finally:
                 sys.settrace(traced)
             with one_blas_thread():
-                assert number_now() == 1
-            assert number_now() == 2, step
+                assert set(threads_of_libraries()) == {1}
+            assert threads_of_libraries() == two_or_three, step
     finally:
-        set_number(before)
-    assert interrupts > 10
+        set_threads(before)
+    assert 10 < interrupts < 80  # every step was interrupted
 
 
 def test_every_team_of_a_block_with_one_thread_has_one_thread():
