@@ -249,10 +249,10 @@ class Inputs:
         if not (material.testing and material.training):
             purpose = "learn from" if material.testing else "test"
             patterns = " ".join(self.patterns[:LISTED])
-            raise ValueError(
-                f"--data holds no take to {purpose}: the test takes are {patterns}; if the model "
-                "has seen none of these files, add --unseen"
-            )
+            problem = f"--data holds no take to {purpose}: the test takes are {patterns}"
+            if not self.args.unseen:
+                problem += "; if the model has seen none of these files, add --unseen"
+            raise ValueError(problem)
         note(material.counted())
         return material
 
