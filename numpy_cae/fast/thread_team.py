@@ -36,14 +36,14 @@ FUNCTION_NAMES = ("scipy_openblas_{}64_", "scipy_openblas_{}", "openblas_{}64_",
 def _openblas() -> list[tuple[Callable[[], int], Callable[[int], None]]]:
     """The functions that read and set the number of threads of NumPy's OpenBLAS, then those of
     SciPy's; none where NumPy's are not found."""
-    found = []
-    for package in ("numpy", "scipy"):
-        functions = [_thread_functions(library) for library in _libraries(package)]
-        found.append(next((pair for pair in functions if pair is not None), None))
-    of_numpy, of_scipy = found
-    if of_numpy is None:
-        return []
-    return [of_numpy] if of_scipy is None else [of_numpy, of_scipy]
+    of_numpy = _functions_of("numpy")
+    return of_numpy + _functions_of("scipy") if of_numpy else []
+
+
+def _functions_of(package: str) -> list[tuple[Callable[[], int], Callable[[int], None]]]:
+    """Those of each OpenBLAS of a package."""
+    functions = map(_thread_functions, _libraries(package))
+    return [pair for pair in functions if pair is not None]
 
 
 def _libraries(package: str) -> Iterator[ctypes.CDLL]:

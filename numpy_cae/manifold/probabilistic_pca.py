@@ -1,4 +1,4 @@
-"""Missing values, by what the frames around them say: probabilistic PCA of fifteen frames.
+"""Missing values estimated from the frames around them: probabilistic PCA of fifteen frames.
 
 `TAPS` successive frames of normalised features in one row z, by frame, then feature, are taken as
 
@@ -45,6 +45,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -130,16 +131,19 @@ class ProbabilisticPCA:
         (2, T, C) array of float64
             Known values are estimated too, but for rows without unknown ones.
         """
+        return np.stack([estimate_by_rows(x, known, rows.estimate) for rows in self._rows])
+
+    @cached_property
+    def _rows(self) -> tuple[_Rows, _Rows]:
+        """For takes like those of the training, and for takes of another source."""
         w = self.axes.T.astype(np.float64)
         mean_variance = np.sum(w * w) / len(w) + self.noise
-        of_training = _Rows(self.mean, w, self.noise)
         of_another = _Rows(self.mean, w, self.noise + RIDGE * mean_variance)
-        both = (of_training, of_another)
-        return np.stack([estimate_by_rows(x, known, rows.estimate) for rows in both])
+        return _Rows(self.mean, w, self.noise), of_another
 
 
 class _Rows:
-    """What the module's text says of rows z with the mean m, W and one variance σ²."""
+    """Estimates rows z by the module's equations, with one variance σ²."""
 
     def __init__(self, mean: np.ndarray, w: np.ndarray, noise: float):
         self.mean = mean
@@ -175,7 +179,7 @@ def estimate_by_rows(
     known: np.ndarray,
     estimate_row: Callable[[np.ndarray, np.ndarray], np.ndarray],
 ) -> np.ndarray:
-    """The mean, with Hann's weights, of what overlapping rows say of their values.
+    """The mean, with Hann's weights, of the estimates of overlapping rows.
 
     Parameters
     ----------

@@ -9,8 +9,8 @@ The candidates are:
 3. the estimate by principal components of fifteen successive frames of the training takes, with
    their variance σ² (`manifold.probabilistic_pca`), and the curve of its errors at known values;
 4. the estimate with the ridge for takes of another source, and the curve of its errors;
-5. the estimate with this ridge, refined as the curve of candidate 1 is;
-6. the completion by the network, which starts from the curve of candidate 1, refined as well.
+5. the estimate with this ridge, refined as candidate 2 is;
+6. the completion by the network, which starts from candidate 1, refined as candidate 2 is.
 
 Without a network there is no candidate 6, without principal components no candidates 3 to 5.
 
@@ -171,7 +171,7 @@ def add_missed(x: np.ndarray, known: np.ndarray, estimate: np.ndarray) -> np.nda
 def refine(
     x: np.ndarray, known: np.ndarray, start: np.ndarray, variances: np.ndarray
 ) -> np.ndarray:
-    """A completed motion (T, C), refined by what the values of its frames say about one another.
+    """A completed motion (T, C), refined by a regression of the values of a frame on one another.
 
     A column without a known value stays as it is.
     """
